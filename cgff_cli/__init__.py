@@ -1,0 +1,37 @@
+"""Form-finding of tensegrity structures and cable nets by nonlinear conjugate gradients.
+
+    import cgff_cli
+    result = cgff_cli.solve(cgff_cli.load("prism.yaml"), tolerance=1e-12)
+    result.verdict, result.nodes["t1"], result.analysis["stable"]
+
+Names are loaded on first use, so that `import cgff_cli` and `cgff --help` cost nothing.
+"""
+
+from importlib import import_module
+
+__version__ = "0.1.0"
+
+_HOME = {
+    "load": "cgff_cli.scene.read",
+    "loads": "cgff_cli.scene.read",
+    "solve": "cgff_cli.pipeline",
+    "Scene": "cgff_cli.scene.scene",
+    "Group": "cgff_cli.scene.scene",
+    "Result": "cgff_cli.report.result",
+    "SolveOptions": "cgff_cli.options",
+    "CgffError": "cgff_cli.errors",
+    "SceneError": "cgff_cli.errors",
+    "OptionError": "cgff_cli.errors",
+}
+
+__all__ = [*_HOME, "__version__"]  # noqa: PLE0604
+
+
+def __getattr__(name: str) -> object:
+    if name in _HOME:
+        return getattr(import_module(_HOME[name]), name)
+    raise AttributeError(f"module 'cgff_cli' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

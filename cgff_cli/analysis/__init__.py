@@ -1,0 +1,1 @@
+"""Fifth room: what kind of equilibrium was found."""

@@ -1,0 +1,33 @@
+"""What can go wrong, sorted by who can mend it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+
+class CgffError(Exception):
+    """Anything cgff raises on purpose; its text is a sentence for a person."""
+
+
+class OptionError(CgffError):
+    """A solve option that does not exist or has a value it cannot take."""
+
+
+@dataclass(frozen=True, order=True)
+class Problem:
+    """One mistake in a file; line and column count from 1."""
+
+    path: str
+    line: int
+    column: int
+    message: str
+
+    def __str__(self) -> str:
+        return f"{self.path}:{self.line}:{self.column}: {self.message}"
+
+
+class SceneError(CgffError):
+    """A scene file that cannot be used, with every problem found in it."""
+
+    def __init__(self, problems: Sequence[Problem]):
+        self.problems = tuple(sorted(problems))
+        super().__init__("\n".join(str(problem) for problem in self.problems))

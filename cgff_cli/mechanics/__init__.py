@@ -1,0 +1,1 @@
+"""Third room: the physics, as pure functions of arrays."""

@@ -1,0 +1,101 @@
+"""Every solve option, its default and what it may be: the one place all three doors share.
+
+The scene's `solver:` block, the command line's flags and Python's keywords are all read from
+`SolveOptions`; a flag is the field's name with dashes.
+"""
+
+import difflib
+from collections.abc import Mapping
+from dataclasses import Field, asdict, dataclass, field, fields, replace
+from typing import Any
+
+from cgff_cli.errors import OptionError
+
+
+def _choice(default: str, allowed: tuple[str, ...], text: str) -> Any:
+    return field(default=default, metadata={"type": str, "allowed": allowed, "help": text})
+
+
+def _number(default: float, below: float, text: str) -> Any:
+    return field(default=default, metadata={"type": float, "below": below, "help": text})
+
+
+def _whole(default: int, text: str) -> Any:
+    return field(default=default, metadata={"type": int, "help": text})
+
+
+@dataclass(frozen=True)
+class SolveOptions:
+    """All options of a solve, with their defaults."""
+
+    method: str = _choice("cgff", ("cgff", "table1"), "cgff, or the paper's Table I to the letter")
+    objective: str = _choice(
+        "energy", ("energy", "residual"), "what cgff minimises: energy, or eq. (10), half the squared residual"
+    )
+    cg_beta: str = _choice("FR", ("FR", "PR+", "HS", "DY"), "conjugate gradient coefficient")
+    preconditioner: str = _choice(
+        "auto", ("auto", "tangent", "none"), "shifted tangent stiffness, or plain conjugate gradients"
+    )
+    tolerance: float = _number(
+        1e-10, 1.0, "largest out-of-balance force component over the largest force at which to stop"
+    )
+    max_iterations: int = _whole(2000, "iterations after which to give up")
+    seed: int = _whole(0, "seed of the tiny perturbation that frees coincident or symmetric starts")
+    analysis: str = _choice(
+        "auto", ("auto", "always", "never"), "ranks and stability of the result; auto: small scenes only"
+    )
+    alpha: float = _number(1.0, float("inf"), "table1: first step length")
+    step_factor: float = _number(0.5, 1.0, "table1: b, the factor that shrinks (and 1/b grows) alpha")
+    eps: float = _number(1e-8, float("inf"), "table1: stop when the norm of alpha d is at most this")
+
+    def merged(self, changes: Mapping[str, object]) -> "SolveOptions":
+        """Return these options with some changed; raises OptionError for a bad name or value."""
+        return replace(self, **{name: checked(name, value) for name, value in changes.items()})
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the options by name, in declaration order."""
+        return asdict(self)
+
+
+OPTIONS: dict[str, Field[Any]] = {option.name: option for option in fields(SolveOptions)}
+
+
+def checked(name: str, value: object) -> str | float | int:
+    """Return one option's value in its own type, or raise OptionError saying what is allowed."""
+    if name not in OPTIONS:
+        near = difflib.get_close_matches(name, OPTIONS, n=1)
+        hint = f"; did you mean {near[0]!r}?" if near else f"; allowed: {', '.join(OPTIONS)}"
+        raise OptionError(f"unknown solve option {name!r}{hint}")
+    rules = OPTIONS[name].metadata
+    if rules["type"] is str:
+        return _checked_choice(name, value, rules["allowed"])
+    if rules["type"] is int:
+        return _checked_whole(name, value)
+    return _checked_number(name, value, rules["below"])
+
+
+def _checked_choice(name: str, value: object, allowed: tuple[str, ...]) -> str:
+    if value not in allowed:
+        raise OptionError(f"{name} must be one of {', '.join(allowed)}, got {value!r}")
+    return str(value)
+
+
+def _checked_whole(name: str, value: object) -> int:
+    number = _as_float(value)
+    if number is None or number != number or not 0 <= number <= 2**53 or number != int(number):
+        raise OptionError(f"{name} must be a whole number >= 0, got {value!r}")
+    return int(number)
+
+
+def _checked_number(name: str, value: object, below: float) -> float:
+    number = _as_float(value)
+    if number is None or not 0.0 < number < below:
+        limit = "> 0" if below == float("inf") else f"between 0 and {below:g}"
+        raise OptionError(f"{name} must be a number {limit}, got {value!r}")
+    return number
+
+
+def _as_float(value: object) -> float | None:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return None
+    return float(value)

@@ -1,0 +1,1 @@
+"""Sixth room: the one result record and the ways to write it."""

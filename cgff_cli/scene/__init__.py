@@ -1,0 +1,1 @@
+"""First room: what the user wrote, read and checked."""

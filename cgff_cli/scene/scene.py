@@ -1,0 +1,58 @@
+"""What a scene is: plain columns, names once, node rows everywhere else."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+LAWS = ("paper", "hooke")
+KINDS = ("cable", "strut")
+AXES = "xyz"
+
+
+@dataclass(frozen=True)
+class Group:
+    """Elements of one kind: m pairs of node rows with their EA and rest lengths.
+
+    pairs       : (m, 2) int array, rows into Scene.node_names: begin, end
+    EA          : (m,) array, force under law `hooke`, force per length under law `paper`
+    rest_length : (m,) array, the scene's length unit
+    """
+
+    name: str
+    kind: str
+    pairs: np.ndarray
+    EA: np.ndarray
+    rest_length: np.ndarray
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One structure as its user described it; the reader has checked all of it.
+
+    coordinates : (n, d) array, d = 2 or 3, the start shape
+    supports    : node row -> axes held fixed, a subset of "xyz" in that order
+    loads       : node row -> (d,) nodal force
+    solver      : solve options asked for in the file
+    """
+
+    name: str
+    law: str
+    node_names: tuple[str, ...]
+    coordinates: np.ndarray
+    groups: tuple[Group, ...]
+    supports: Mapping[int, str] = field(default_factory=dict)
+    loads: Mapping[int, tuple[float, ...]] = field(default_factory=dict)
+    solver: Mapping[str, object] = field(default_factory=dict)
+    path: str = "<python>"
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def dimension(self) -> int:
+        """2 or 3, from the coordinates."""
+        return int(self.coordinates.shape[1])
+
+    @property
+    def element_count(self) -> int:
+        """How many elements all groups hold."""
+        return sum(len(group.EA) for group in self.groups)

@@ -1,0 +1,52 @@
+"""Scene -> rows of arrays. Names stay behind; this is all the mechanics ever sees."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cgff_cli.scene.scene import AXES, Scene
+
+
+@dataclass(frozen=True)
+class Structure:
+    """b elements between n nodes in d dimensions; element e runs from node start[e] to end[e].
+
+    coordinates  : (n, d) start shape          stiffness    : (b,) k in force = k (l - l0)
+    start, end   : (b,) node rows              rest_lengths : (b,) l0
+    tension_only : (b,) bool, cables           free         : (n, d) bool, not held by a support
+    loads        : (n, d) nodal forces
+    """
+
+    coordinates: np.ndarray
+    start: np.ndarray
+    end: np.ndarray
+    stiffness: np.ndarray
+    rest_lengths: np.ndarray
+    tension_only: np.ndarray
+    free: np.ndarray
+    loads: np.ndarray
+
+
+def from_scene(scene: Scene) -> Structure:
+    """Return the arrays of a scene; both elastic laws, eq. (2) and Hooke's, become one stiffness."""
+    n, d = scene.coordinates.shape
+    pairs = np.concatenate([group.pairs for group in scene.groups])
+    EA = np.concatenate([group.EA for group in scene.groups])
+    rest_lengths = np.concatenate([group.rest_length for group in scene.groups])
+    cables = [np.full(len(group.EA), group.kind == "cable") for group in scene.groups]
+    free = np.ones((n, d), dtype=bool)
+    for row, axes in scene.supports.items():
+        free[row, [AXES.index(axis) for axis in axes]] = False
+    loads = np.zeros((n, d))
+    for row, load in scene.loads.items():
+        loads[row] = load
+    return Structure(
+        coordinates=np.array(scene.coordinates, dtype=float),
+        start=np.ascontiguousarray(pairs[:, 0]),
+        end=np.ascontiguousarray(pairs[:, 1]),
+        stiffness=EA if scene.law == "paper" else EA / rest_lengths,
+        rest_lengths=rest_lengths,
+        tension_only=np.concatenate(cables),
+        free=free,
+        loads=loads,
+    )
