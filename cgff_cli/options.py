@@ -30,7 +30,9 @@ class SolveOptions:
 
     method: str = _choice("cgff", ("cgff", "table1"), "cgff, or the paper's Table I to the letter")
     objective: str = _choice(
-        "energy", ("energy", "residual"), "what cgff minimises: energy, or eq. (10), half the squared residual"
+        "energy",
+        ("energy", "residual"),
+        "what cgff minimises: energy, or eq. (10), half the squared residual",
     )
     cg_beta: str = _choice("FR", ("FR", "PR+", "HS", "DY"), "conjugate gradient coefficient")
     preconditioner: str = _choice(

@@ -1,15 +1,16 @@
 """One element at a time: lengths, forces, force densities, energy. Every function takes whole columns.
 
-With k = EA (law `paper`, eq. 2) or k = EA / l0 (law `hooke`) both laws read t = k (l - l0); a cable
-shorter than its rest length is slack and carries nothing.
+With k = EA (law `paper`, eq. 2) or k = EA / l0 (law `hooke`) both laws read t = k e, where the extension e
+is l - l0. A cable shorter than its rest length is slack: its extension never counts below `least` = 0; a
+strut has `least` = -inf. Another elastic law would change `extensions`, `forces` and `active` only.
 """
 
 import numpy as np
 
 
-def differences(X: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """Return rho X, eq. (1): (b, d) begin minus end; +1 at the begin node, -1 at the end node."""
-    return X[start] - X[end]
+def least_extensions(tension_only: np.ndarray) -> np.ndarray:
+    """Return the (b,) extensions below which an element goes slack: 0 for cables, -inf for struts."""
+    return np.where(tension_only, 0.0, -np.inf)
 
 
 def lengths(V: np.ndarray) -> np.ndarray:
@@ -17,17 +18,26 @@ def lengths(V: np.ndarray) -> np.ndarray:
     return np.sqrt(np.einsum("ij,ij->i", V, V))
 
 
-def slack(l: np.ndarray, rest_lengths: np.ndarray, tension_only: np.ndarray) -> np.ndarray:  # noqa: E741
-    """Return (b,) bool: cables shorter than their rest length, which carry no force."""
-    return tension_only & (l < rest_lengths)
+def extensions(l: np.ndarray, rest_lengths: np.ndarray, least: np.ndarray) -> np.ndarray:
+    """Return the (b,) elastic extensions e = l - l0, no less than `least`."""
+    return np.maximum(l - rest_lengths, least)
 
 
-def forces(
-    l: np.ndarray,  # noqa: E741
-    stiffness: np.ndarray,
-    rest_lengths: np.ndarray,
-    tension_only: np.ndarray,
-) -> np.ndarray:
-    """Return the (b,) element forces t = k (l - l0), eq. (2); tension > 0, slack 0."""
-    t = stiffness * (l - rest_lengths)
-    return np.where(slack(l, rest_lengths, tension_only), 0.0, t)
+def forces(stiffness: np.ndarray, e: np.ndarray) -> np.ndarray:
+    """Return the (b,) element forces t = k e, eq. (2); tension > 0, slack 0."""
+    return stiffness * e
+
+
+def active(l: np.ndarray, rest_lengths: np.ndarray, least: np.ndarray) -> np.ndarray:
+    """Return (b,) bool: not slack; a cable at exactly its rest length is taken as taut."""
+    return l - rest_lengths >= least
+
+
+def force_densities(t: np.ndarray, l: np.ndarray) -> np.ndarray:
+    """Return the (b,) force densities q = t / l; zero where the force is, whatever the length."""
+    return np.divide(t, l, out=np.zeros_like(t), where=t != 0.0)
+
+
+def energy(t: np.ndarray, e: np.ndarray) -> float:
+    """Return the elastic energy, the sum of k e^2 / 2."""
+    return 0.5 * float(t @ e)

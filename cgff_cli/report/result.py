@@ -2,14 +2,11 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from cgff_cli import __version__
-from cgff_cli.mechanics import elements as law
-from cgff_cli.mechanics.equilibrium import nodal_forces
 from cgff_cli.options import SolveOptions
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers.solution import Solution
@@ -110,29 +107,25 @@ class Result:
         """(n, d) final positions, in the scene's node order."""
         return self.solution.coordinates
 
-    @cached_property
+    @property
     def lengths(self) -> np.ndarray:
         """(b,) final lengths, eq. (7), in the scene's element order."""
-        s = self.structure
-        return law.lengths(law.differences(self.coordinates, s.start, s.end))
+        return self.solution.state.l
 
-    @cached_property
+    @property
     def forces(self) -> np.ndarray:
         """(b,) forces, eq. (2); tension > 0, a slack cable 0."""
-        s = self.structure
-        return law.forces(self.lengths, s.stiffness, s.rest_lengths, s.tension_only)
+        return self.solution.state.t
 
-    @cached_property
+    @property
     def force_densities(self) -> np.ndarray:
         """(b,) force densities q = t / l."""
-        s = self.structure
-        return law.force_densities(self.lengths, s.stiffness, s.rest_lengths, s.tension_only)
+        return self.solution.state.q
 
-    @cached_property
+    @property
     def slack(self) -> np.ndarray:
         """(b,) bool, cables shorter than their rest length."""
-        s = self.structure
-        return law.slack(self.lengths, s.rest_lengths, s.tension_only)
+        return self.solution.state.slack
 
     @property
     def nodes(self) -> dict[str, list[float]]:
@@ -169,9 +162,7 @@ class Result:
     @property
     def reactions(self) -> dict[str, list[float]]:
         """Force each support exerts on its node, zero in directions it leaves free."""
-        s = self.structure
-        internal = nodal_forces(self.coordinates, self.force_densities, s.start, s.end)
-        held = np.where(s.free, 0.0, -(internal + s.loads))
+        held = np.where(self.structure.free, 0.0, -self.solution.state.eta)
         names = self.source.node_names
         return {names[row]: held[row].tolist() for row in sorted(self.source.supports)}
 

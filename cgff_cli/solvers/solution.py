@@ -1,14 +1,18 @@
 """What a solver hands on: the last state, how it ended, and one row per iteration."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from cgff_cli.solvers.stopping import Verdict
+from cgff_cli.mechanics.state import State
+from cgff_cli.solvers.stopping import Gauge, Verdict, sentence
 
-HISTORY_COLUMNS = (
+Observer = Callable[[dict[str, Any]], None]
+"""Called once per iteration with that iteration's row of the history."""
+
+COLUMNS = (
     "iteration",
     "objective",
     "residual_max",
@@ -20,34 +24,91 @@ HISTORY_COLUMNS = (
     "restarted",
 )
 
-Observer = Callable[[dict[str, Any]], None]
-"""Called once per iteration with that iteration's row of the history."""
+
+class History:
+    """Columns of numbers, one row per iteration, row 0 the start; never a copy of the shape."""
+
+    def __init__(self, observer: Observer | None = None):
+        self.columns: dict[str, list[Any]] = {name: [] for name in COLUMNS}
+        self.observer = observer
+
+    def add(self, *row: float | int | bool | None) -> None:
+        """Append one row, in the order of COLUMNS, and show it to the observer."""
+        for column, value in zip(self.columns.values(), row, strict=True):
+            column.append(value)
+        if self.observer is not None:
+            self.observer(dict(zip(COLUMNS, row, strict=True)))
+
+    def restarts(self) -> int:
+        """Return how often the direction was reset to steepest descent."""
+        return sum(self.columns["restarted"])
 
 
 @dataclass(frozen=True)
 class Solution:
-    """The last state of a run, in the user's units.
+    """The last state of a run, in the user's units, positions relative to `centre`.
 
-    coordinates   : (n, d), final node positions
+    state         : shape, lengths, forces about `centre`: a far-away origin costs them no digits
     residual_max  : largest out-of-balance force component over the free directions
     residual_norm : its Euclidean norm over the free directions
     reference     : the force that residual_max was compared with
     floor         : estimated rounding error of residual_max
-    energy        : total potential energy
-    history       : column name -> one value per iteration, row 0 the start
+    history       : column name -> one value per iteration
     """
 
-    coordinates: np.ndarray
+    state: State
+    centre: np.ndarray
     verdict: Verdict
     message: str
     residual_max: float
     residual_norm: float
     reference: float
     floor: float
-    energy: float
     iterations: int
     evaluations: int
     factorizations: int
     restarts: int
     history: dict[str, list[Any]]
-    warnings: tuple[str, ...] = field(default=())
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def coordinates(self) -> np.ndarray:
+        """(n, d) final node positions."""
+        return self.state.X + self.centre
+
+    @property
+    def energy(self) -> float:
+        """Total potential energy; loads do work from the user's own origin."""
+        loads = self.state.mechanics.structure.loads
+        return self.state.energy - float((loads @ self.centre).sum())
+
+
+def concluded(
+    state: State,
+    centre: np.ndarray,
+    verdict: Verdict,
+    tolerance: float,
+    history: History,
+    evaluations: int,
+    factorizations: int = 0,
+    warnings: tuple[str, ...] = (),
+) -> Solution:
+    """Return the Solution for a last state in the user's units about `centre`."""
+    gauge = Gauge(state.mechanics)
+    balance = gauge.measure(state)
+    return Solution(
+        state=state,
+        centre=centre,
+        verdict=verdict,
+        message=sentence(verdict, balance, tolerance),
+        residual_max=balance.residual,
+        residual_norm=float(np.linalg.norm(state.free_eta)),
+        reference=balance.reference,
+        floor=gauge.rounding_floor(state),
+        iterations=len(history.columns["iteration"]) - 1,
+        evaluations=evaluations,
+        factorizations=factorizations,
+        restarts=history.restarts(),
+        history=history.columns,
+        warnings=warnings,
+    )

@@ -1,0 +1,74 @@
+"""What kind of equilibrium a solution is."""
+
+from typing import Any
+
+import numpy as np
+
+from cgff_cli.analysis.ranks import rank_conditions, rank_tolerance
+from cgff_cli.analysis.stability import is_super_stable, stability
+from cgff_cli.options import SolveOptions
+from cgff_cli.scene.scene import Scene
+from cgff_cli.solvers.solution import Solution
+
+SMALL = 300
+"""Free directions up to which ranks and eigenvalues are computed without being asked for."""
+
+MOST_NAMED = 100
+"""Elements listed by name before only their number is given."""
+
+NOT_COMPUTED = dict.fromkeys(
+    (
+        "nullity_D",
+        "nullity_U",
+        "condition_D",
+        "condition_U",
+        "self_stress_states",
+        "mechanisms",
+        "rigid_motions",
+        "rank_tolerance",
+        "stable",
+        "stability",
+        "smallest_stiffness",
+        "super_stable",
+    )
+)
+
+
+def analysed(scene: Scene, solution: Solution, options: SolveOptions) -> dict[str, Any]:
+    """Return the `analysis` object of a result; null is what was not computed.
+
+    Stability is a statement about an equilibrium: without one it is null.
+    """
+    state = solution.state
+    found: dict[str, Any] = dict(NOT_COMPUTED)
+    small = state.mechanics.connectivity.is_small and len(state.mechanics.dofs) <= SMALL
+    if options.analysis == "always" or (options.analysis == "auto" and small):
+        tolerance = rank_tolerance(solution.residual_max, solution.reference)
+        found |= rank_conditions(state, tolerance)
+        if solution.verdict.converged:
+            found |= stability(state)
+            found["super_stable"] = bool(found["stable"]) and is_super_stable(state, tolerance)
+    slack = np.flatnonzero(state.slack)
+    pushed = np.flatnonzero(~state.mechanics.structure.tension_only & (state.t > 0.0))
+    pulled = pushed[state.t[pushed] > solution.floor]
+    return found | {
+        "prestressed": bool(np.abs(state.t).max() > 16.0 * solution.floor),
+        "slack_count": len(slack),
+        "slack_cables": labels(scene, slack[:MOST_NAMED]),
+        "struts_in_tension_count": len(pulled),
+        "struts_in_tension": labels(scene, pulled[:MOST_NAMED]),
+    }
+
+
+def labels(scene: Scene, rows: np.ndarray) -> list[str]:
+    """Return `group: begin-end` for element rows, in the scene's element order."""
+    if not len(rows):
+        return []
+    firsts = np.cumsum([0, *(len(group.EA) for group in scene.groups)])
+    named = []
+    for row in rows.tolist():
+        index = int(np.searchsorted(firsts, row, side="right")) - 1
+        begin, end = scene.groups[index].pairs[row - firsts[index]]
+        names = scene.node_names
+        named.append(f"{scene.groups[index].name}: {names[begin]}-{names[end]}")
+    return named

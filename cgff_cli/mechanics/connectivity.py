@@ -1,0 +1,54 @@
+"""The connectivity matrix rho, eq. (1), as the two products that the mechanics needs.
+
+rho is b x n: +1 at an element's begin node, -1 at its end node. Element vectors rho X change sign with
+an element's direction; U, D, forces and energy do not.
+"""
+
+from functools import cached_property
+
+import numpy as np
+
+DENSE_ENTRIES = 20_000
+"""Up to this many entries a dense rho is faster than any indexing, and needs no scipy."""
+
+
+class Connectivity:
+    """rho for b elements (rows begin, end) between n nodes."""
+
+    def __init__(self, start: np.ndarray, end: np.ndarray, node_count: int):
+        self.start, self.end, self.node_count = start, end, node_count
+        self.is_small = len(start) * node_count <= DENSE_ENTRIES
+
+    @cached_property
+    def dense(self) -> np.ndarray:
+        """rho as a (b, n) array, eq. (1)."""
+        rho = np.zeros((len(self.start), self.node_count))
+        rows = np.arange(len(self.start))
+        rho[rows, self.start] += 1.0
+        rho[rows, self.end] -= 1.0
+        return rho
+
+    @cached_property
+    def _dense_transpose(self) -> np.ndarray:
+        return np.ascontiguousarray(self.dense.T)
+
+    @cached_property
+    def _sparse_transpose(self):  # type: ignore[no-untyped-def]
+        from scipy.sparse import csr_array
+
+        b = len(self.start)
+        signs = np.concatenate((np.ones(b), -np.ones(b)))
+        where = (np.concatenate((self.start, self.end)), np.tile(np.arange(b), 2))
+        return csr_array((signs, where), shape=(self.node_count, b))
+
+    def differences(self, X: np.ndarray) -> np.ndarray:
+        """Return rho X: (b, d) element vectors, begin minus end, of (n, d) positions."""
+        if self.is_small:
+            return self.dense @ X
+        return X[self.start] - X[self.end]
+
+    def gather(self, V: np.ndarray) -> np.ndarray:
+        """Return rho^T V: (n, d) sums over each node's elements of (b, d) element vectors."""
+        if self.is_small:
+            return self._dense_transpose @ V
+        return self._sparse_transpose @ V

@@ -1,0 +1,32 @@
+"""Scene in, result out: the walk through the rooms, in order."""
+
+from time import perf_counter
+
+from cgff_cli.analysis.equilibrium import analysed
+from cgff_cli.options import SolveOptions
+from cgff_cli.report.result import Result
+from cgff_cli.scene.scene import Scene
+from cgff_cli.solvers import cgff, table1
+from cgff_cli.solvers.solution import Observer
+from cgff_cli.structure import from_scene
+
+METHODS = {"cgff": cgff.form_find, "table1": table1.form_find}
+
+
+def solve(scene: Scene | str, *, observer: Observer | None = None, **changes: object) -> Result:
+    """Form-find a scene, or the scene file at a path, and return its Result.
+
+    Keywords are solve options (see SolveOptions) and win over the scene's own. `observer` is called with
+    one history row per iteration. Raises SceneError for a bad file, OptionError for a bad option; a run
+    that reaches no equilibrium, or is interrupted, is a Result that says so.
+    """
+    if not isinstance(scene, Scene):
+        from cgff_cli.scene.read import load
+
+        scene = load(scene)
+    options = SolveOptions().merged({**scene.solver, **changes})
+    structure = from_scene(scene)
+    start = perf_counter()
+    solution = METHODS[options.method](structure, options, observer)
+    seconds = perf_counter() - start
+    return Result(scene, structure, options, solution, analysed(scene, solution, options), seconds)

@@ -1,0 +1,68 @@
+"""Ways out of balance that is no minimum: starts that coincide, and directions of negative stiffness."""
+
+import numpy as np
+
+from cgff_cli.mechanics.state import State
+from cgff_cli.solvers.objectives import Line
+from cgff_cli.structure import Structure
+
+COINCIDENT = 1e-9
+"""A strut shorter than this share of the structure's size has no direction to push in."""
+
+NUDGE = 1e-4
+"""Size of the seeded perturbation that gives it one."""
+
+
+def separated(structure: Structure, seed: int) -> tuple[np.ndarray, str | None]:
+    """Return start coordinates in which no strut has zero length, and a warning if any had.
+
+    A strut with coincident ends pushes in no direction: its free nodes are moved by a tiny perturbation
+    drawn from `seed`. The structure is in units of its own size.
+    """
+    X = structure.coordinates
+    V = X[structure.start] - X[structure.end]
+    short = ~structure.tension_only & (structure.rest_lengths > 0.0) & (np.abs(V).max(axis=1) < COINCIDENT)
+    if not short.any():
+        return X, None
+    nodes = np.unique(np.concatenate((structure.start[short], structure.end[short])))
+    moved = np.zeros_like(X)
+    moved[nodes] = NUDGE * np.random.default_rng(seed).uniform(-1.0, 1.0, (len(nodes), X.shape[1]))
+    moved[~structure.free] = 0.0
+    count = int(short.sum())
+    return X + moved, (
+        f"{count} strut{'s' if count > 1 else ''} of zero length at the start: "
+        f"moved the nodes by a perturbation of {NUDGE:g} of the size, seed {seed}"
+    )
+
+
+def steepest_fall(state: State) -> np.ndarray | None:
+    """Return the unit (n, d) direction of most negative stiffness, or None if there is none.
+
+    Negative means beyond what rounding and the remaining residual explain: the latter turns the zero
+    stiffness of a rigid rotation into one of its own size. Dense; for small structures.
+    """
+    K = state.dense_tangent()
+    values, vectors = np.linalg.eigh(K)
+    unsure = 1e-14 * len(K) * float(np.abs(values).max()) + 4.0 * float(np.linalg.norm(state.free_eta))
+    if values[0] >= -unsure:
+        return None
+    direction = np.zeros(state.X.size)
+    direction[state.mechanics.dofs] = vectors[:, 0] * np.sign(vectors[np.abs(vectors[:, 0]).argmax(), 0])
+    return direction.reshape(state.X.shape)
+
+
+def farthest_fall(line: Line, first: float = 1e-3) -> float:
+    """Return the step along a direction of negative curvature, of either sign, that falls most; 0 if none.
+
+    The step grows fourfold while the objective keeps falling.
+    """
+    best, best_change = 0.0, 0.0
+    for sign in (1.0, -1.0):
+        a = sign * first
+        last = 0.0
+        while (trial := line(a)).change < last and abs(a) < 1e3:
+            if trial.change < best_change:
+                best, best_change = a, trial.change
+            last = trial.change
+            a *= 4.0
+    return best

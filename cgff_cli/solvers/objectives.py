@@ -1,0 +1,110 @@
+"""What the loop minimises: the potential energy, or the paper's eq. (10), half the squared residual.
+
+An objective turns a state into a value and a gradient, and a direction into a `Line`: the objective's
+change, slope and curvature along X + a d as functions of the step a. Changes are summed element by
+element, never as a difference of two totals, so they stay meaningful long after the totals agree.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from cgff_cli.mechanics.state import Mechanics, State
+
+
+class Trial(NamedTuple):
+    """The objective at step a along a line."""
+
+    step: float
+    change: float
+    slope: float
+    curvature: float
+
+
+Line = Callable[[float], Trial]
+
+
+class Energy:
+    """P = sum k e^2 / 2 - loads . X; its gradient is -eta, its Hessian K: minima are stable equilibria."""
+
+    name = "energy"
+
+    def __init__(self, mechanics: Mechanics):
+        self.mechanics = mechanics
+
+    def value(self, state: State) -> float:
+        """Return P."""
+        return state.energy
+
+    def gradient(self, state: State) -> np.ndarray:
+        """Return dP/dX over the free directions, (n, d)."""
+        return -state.free_eta
+
+    def line(self, state: State, d: np.ndarray) -> Line:
+        """Return P along X + a d; along it l^2 = A + 2 a B + a^2 C, so a trial costs O(b) and no scatter."""
+        structure, least = self.mechanics.structure, self.mechanics.least
+        W = self.mechanics.connectivity.differences(d)
+        A = state.l * state.l
+        B = np.einsum("ij,ij->i", state.V, W)
+        C = np.einsum("ij,ij->i", W, W)
+        k, l0, e0 = structure.stiffness, structure.rest_lengths, state.e
+        work = float(np.vdot(structure.loads, d)) if self.mechanics.has_loads else 0.0
+
+        def trial(a: float) -> Trial:
+            half = B + a * C
+            l = np.sqrt(np.maximum(A + a * (B + half), 0.0))
+            stretch = l - l0
+            e = np.maximum(stretch, least)
+            t = k * e
+            l = np.maximum(l, 1e-30)
+            rate = half / l
+            q = t / l
+            change = 0.5 * float(k @ ((e - e0) * (e + e0))) - a * work
+            slope = float(t @ rate) - work
+            curvature = float(np.where(stretch >= least, k - q, -q) @ (rate * rate) + q @ C)
+            return Trial(a, change, slope, curvature)
+
+        return trial
+
+    def noise(self, state: State) -> float:
+        """Return the rounding error to expect in a change of P."""
+        return 1e-15 * (float(np.abs(state.t) @ state.l) + abs(state.energy))
+
+
+class Residual:
+    """f = |eta|^2 / 2, eq. (10); gradient H^T eta = -K eta, eq. (12); unstable equilibria are minima too."""
+
+    name = "residual"
+
+    def __init__(self, mechanics: Mechanics):
+        self.mechanics = mechanics
+
+    def value(self, state: State) -> float:
+        """Return f."""
+        return 0.5 * float(np.vdot(state.free_eta, state.free_eta))
+
+    def gradient(self, state: State) -> np.ndarray:
+        """Return df/dX over the free directions, (n, d)."""
+        return -state.tangent_times(state.free_eta)
+
+    def line(self, state: State, d: np.ndarray) -> Line:
+        """Return f along X + a d; the curvature leaves out second derivatives of eta."""
+        eta0 = state.free_eta
+
+        def trial(a: float) -> Trial:
+            there = self.mechanics.at(state.X + a * d)
+            eta = there.free_eta
+            Kd = there.tangent_times(d)
+            change = 0.5 * float(np.vdot(eta - eta0, eta + eta0))
+            return Trial(a, change, -float(np.vdot(eta, Kd)), float(np.vdot(Kd, Kd)))
+
+        return trial
+
+    def noise(self, state: State) -> float:
+        """Return the rounding error to expect in a change of f."""
+        return 1e-15 * self.value(state)
+
+
+Objective = Energy | Residual
+OBJECTIVES: dict[str, type[Energy] | type[Residual]] = {"energy": Energy, "residual": Residual}

@@ -1,0 +1,137 @@
+"""M^-1 in z = M^-1 g: nothing, or the tangent stiffness shifted until it is positive definite.
+
+M = K + mu S for the energy, K^2 + mu S^2 for eq. (10); S holds each node's total stiffness, so that mu is a
+number without unit. Like a trust region, mu falls after long steps, faster the more the gradient shrank
+(which makes the last iterations quadratic), and rises after short ones.
+"""
+
+from typing import Protocol
+
+import numpy as np
+
+from cgff_cli.mechanics.state import Mechanics, State
+from cgff_cli.options import SolveOptions
+from cgff_cli.solvers.curvature import steepest_fall
+from cgff_cli.solvers.objectives import Line
+
+FIRST_SHIFT = 1e-3
+LEAST_SHIFT = 1e-15
+LONG_STEP, SHORT_STEP = 0.5, 0.2
+
+
+class Preconditioner(Protocol):
+    """What the loop asks of a preconditioner."""
+
+    factorizations: int
+
+    def refresh(self, state: State) -> None:
+        """Rebuild M at a state."""
+
+    def apply(self, g: np.ndarray) -> np.ndarray:
+        """Return M^-1 g, (n, d)."""
+
+    def adapt(self, alpha: float, shrinkage: float) -> None:
+        """Learn from an accepted step length and the ratio of gradient norms, new over old."""
+
+    def stiffen(self) -> None:
+        """Ask for shorter, safer steps after a failed one."""
+
+    def first_step(self, line: Line, slope: float) -> float:
+        """Return the step length to try first."""
+
+    def steepest_fall(self, state: State) -> np.ndarray | None:
+        """Return a unit direction of negative stiffness at a balanced state, or None."""
+
+
+class Identity:
+    """M = I: plain conjugate gradients."""
+
+    factorizations = 0
+
+    def refresh(self, state: State) -> None:
+        """Do nothing."""
+
+    def apply(self, g: np.ndarray) -> np.ndarray:
+        """Return g."""
+        return g
+
+    def adapt(self, alpha: float, shrinkage: float) -> None:
+        """Do nothing."""
+
+    def stiffen(self) -> None:
+        """Do nothing."""
+
+    def first_step(self, line: Line, slope: float) -> float:
+        """Return the step to the minimum of the parabola through slope and curvature at 0."""
+        curvature = line(0.0).curvature
+        return -slope / curvature if curvature > 0.0 else 1.0
+
+    def steepest_fall(self, state: State) -> np.ndarray | None:
+        """Return a unit direction of negative stiffness, or None."""
+        return steepest_fall(state)
+
+
+class DenseTangent:
+    """The shifted tangent as a dense matrix over the free directions; small structures, numpy alone."""
+
+    def __init__(self, mechanics: Mechanics, squared: bool):
+        structure = mechanics.structure
+        self.rho = mechanics.connectivity.dense
+        self.dofs = None if mechanics.all_free else np.flatnonzero(structure.free)
+        self.squared = squared
+        self.factorizations = 0
+        self.mu = FIRST_SHIFT
+        nodal = np.abs(self.rho).T @ structure.stiffness
+        S = np.repeat(nodal, structure.free.shape[1])
+        self.S = (S if self.dofs is None else S[self.dofs]) ** (2 if squared else 1)
+
+    def refresh(self, state: State) -> None:
+        """Form K and raise mu until M is positive definite."""
+        K = state.dense_tangent()
+        M = K @ K if self.squared else K
+        diagonal = M.reshape(-1)[:: len(M) + 1]
+        unshifted = diagonal.copy()
+        while True:
+            diagonal[:] = unshifted + self.mu * self.S
+            self.factorizations += 1
+            try:
+                np.linalg.cholesky(M)
+            except np.linalg.LinAlgError:
+                self.mu *= 10.0
+            else:
+                break
+        self.M = M
+
+    def apply(self, g: np.ndarray) -> np.ndarray:
+        """Return M^-1 g, (n, d)."""
+        if self.dofs is None:
+            return np.linalg.solve(self.M, g.reshape(-1)).reshape(g.shape)
+        z = np.zeros(g.size)
+        z[self.dofs] = np.linalg.solve(self.M, g.reshape(-1)[self.dofs])
+        return z.reshape(g.shape)
+
+    def adapt(self, alpha: float, shrinkage: float) -> None:
+        """Lower mu after a long step, raise it after a short one."""
+        if alpha > LONG_STEP:
+            self.mu = max(self.mu * min(0.1, shrinkage), LEAST_SHIFT)
+        elif alpha < SHORT_STEP:
+            self.mu *= 10.0
+
+    def stiffen(self) -> None:
+        """Raise mu a hundredfold."""
+        self.mu *= 100.0
+
+    def first_step(self, line: Line, slope: float) -> float:
+        """Return 1, the Newton step."""
+        return 1.0
+
+    def steepest_fall(self, state: State) -> np.ndarray | None:
+        """Return a unit direction of negative stiffness, or None."""
+        return steepest_fall(state)
+
+
+def choose(mechanics: Mechanics, options: SolveOptions) -> Preconditioner:
+    """Return the preconditioner that the options ask for."""
+    if options.preconditioner == "none" or not mechanics.structure.free.any():
+        return Identity()
+    return DenseTangent(mechanics, squared=options.objective == "residual")
