@@ -1,0 +1,170 @@
+"""Where the results of `cgff solve` go: the rules for its output flags, then the writing itself."""
+
+import os
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import click
+
+from cgff_cli.cli.common import wanted
+from cgff_cli.errors import CgffError
+from cgff_cli.report.files import STDOUT, check_target, is_stream, make_folder, write_output
+
+if TYPE_CHECKING:
+    from cgff_cli.report.result import Result
+
+SUFFIXES = {".json": "json", ".csv": "csv"}
+
+
+class Flags(NamedTuple):
+    """The output flags of one run, as given."""
+
+    output_format: str | None
+    output: str | None
+    history: str | None
+    elements: str | None
+    out_dir: str | None
+
+
+class File(NamedTuple):
+    """A file to write: where, what (result, history, elements) and how (json, csv)."""
+
+    path: str
+    kind: str
+    form: str
+
+
+class Outputs:
+    """The rules for the output flags, all checked before any scene is solved.
+
+    files : scene -> the files its result goes to
+    shown : what standard output gets: table, json or csv of the one scene, a summary of many,
+            lines of JSON, or nothing. Files silence it, unless --format table asks for both.
+    """
+
+    def __init__(self, scenes: Sequence[str], flags: Flags):
+        many = len(scenes) > 1
+        _refuse_conflicts(scenes, flags, many)
+        self.files = {scene: list(_files(scene, flags)) for scene in scenes}
+        self.shown = _shown(flags, many)
+        self.rows: list[dict[str, Any]] = []
+        _refuse_overlaps(self.files)
+        _prepare(flags.out_dir, [file.path for own in self.files.values() for file in own])
+
+    def write(self, scene: str, result: "Result") -> None:
+        """Write one result wherever the flags say; raises CgffError."""
+        for file in self.files[scene]:
+            write_output(file.path, _text(result, file.kind, file.form))
+        if self.shown == "summary":
+            from cgff_cli.report.summary import summary_row
+
+            self.rows.append(summary_row(scene, result))
+        elif self.shown:
+            write_output(STDOUT, _text(result, "result", self.shown))
+
+    def failed(self, scene: str, verdict: str) -> None:
+        """Remember a scene that has no result, so that the summary shows it."""
+        self.rows.append({"scene": scene, "verdict": verdict})
+
+    def finish(self) -> None:
+        """Write what needed all scenes: the summary."""
+        if self.shown == "summary":
+            from cgff_cli.report.summary import summary_text
+
+            write_output(STDOUT, [summary_text(self.rows, terminal=sys.stdout.isatty())])
+
+
+def _refuse_conflicts(scenes: Sequence[str], flags: Flags, many: bool) -> None:
+    if scenes.count(STDOUT) > 1:
+        raise click.UsageError("standard input (-) can be read only once")
+    for flag, path in (("-o", flags.output), ("--history", flags.history), ("--elements", flags.elements)):
+        if many and path is not None:
+            raise click.UsageError(f"{flag} takes one scene; use --out-dir DIR for many")
+    if flags.output is not None and flags.out_dir is not None:
+        raise click.UsageError("give -o or --out-dir, not both")
+    if flags.out_dir is not None and len(set(scenes)) < len(scenes):
+        raise click.UsageError("a scene is given twice")
+    if many and flags.output_format == "csv" and flags.out_dir is None:
+        raise click.UsageError("--format csv takes one scene; use --out-dir DIR for many")
+
+
+def _files(scene: str, flags: Flags) -> Iterator[File]:
+    chosen = flags.output_format if flags.output_format in ("json", "csv") else None
+    if flags.out_dir is not None:
+        form = chosen or "json"
+        stem = "stdin" if scene == STDOUT else os.path.splitext(os.path.basename(scene))[0]
+        yield File(os.path.join(flags.out_dir, f"{stem}.{form}"), "result", form)
+    if flags.output is not None and flags.output != STDOUT:
+        form = _form("-o", flags.output, chosen or "json")
+        if chosen and chosen != form:
+            raise click.UsageError(f"--format {chosen} and -o {flags.output} disagree")
+        yield File(flags.output, "result", form)
+    if flags.history is not None:
+        yield File(flags.history, "history", _form("--history", flags.history, "csv"))
+    if flags.elements is not None:
+        yield File(flags.elements, "elements", _form("--elements", flags.elements, "csv"))
+
+
+def _form(flag: str, path: str, of_stream: str) -> str:
+    """Return the format a file's suffix asks for; a device or pipe has none."""
+    suffix = os.path.splitext(path)[1].lower()
+    if suffix in SUFFIXES:
+        return SUFFIXES[suffix]
+    if is_stream(path):
+        return of_stream
+    contents = "everything) or .csv (the coordinates" if flag == "-o" else "one object) or .csv (a table"
+    raise click.UsageError(f"{flag} {path}: the name must end in .json ({contents})")
+
+
+def _shown(flags: Flags, many: bool) -> str:
+    filed = flags.out_dir is not None or flags.output not in (None, STDOUT)
+    if filed and flags.output_format != "table":
+        return ""
+    form = flags.output_format or ("table" if sys.stdout.isatty() else "json")
+    return {"table": "summary", "json": "lines"}[form] if many else form
+
+
+def _refuse_overlaps(files: dict[str, list[File]]) -> None:
+    """Refuse two outputs of one name, and an output that would replace a scene."""
+    taken = {os.path.realpath(scene): f"the scene {scene}" for scene in files if scene != STDOUT}
+    for scene, own in files.items():
+        for file in own:
+            place = os.path.realpath(file.path)
+            if is_stream(file.path):
+                continue
+            if place in taken:
+                raise click.UsageError(f"{file.path} would be written over {taken[place]}")
+            taken[place] = f"the {file.kind} of {scene}"
+
+
+def _prepare(out_dir: str | None, paths: Iterable[str]) -> None:
+    """Make the folder asked for and see that every file has one, before hours of solving."""
+    try:
+        if out_dir is not None:
+            make_folder(out_dir)
+        for path in paths:
+            if not is_stream(path):
+                check_target(path)
+    except CgffError as error:
+        raise click.UsageError(str(error)) from error
+
+
+def _text(result: "Result", kind: str, form: str) -> Iterable[str]:
+    """Return the pieces of text of one output; its writer is imported now."""
+    if form == "csv":
+        from cgff_cli.report import csv_out
+
+        writers = {"result": csv_out.coordinates, "history": csv_out.history, "elements": csv_out.elements}
+        return writers[kind](result)
+    if form == "table":
+        from cgff_cli.report.table import result_text
+
+        return [result_text(result, terminal=sys.stdout.isatty(), full=wanted("verbose") > 0)]
+    from cgff_cli.report import json_out
+
+    if form == "lines":
+        return json_out.line(json_out.result_fields(result))
+    if kind == "result":
+        return json_out.pretty(json_out.result_fields(result))
+    return json_out.elements(result) if kind == "elements" else json_out.pretty(result.history.items())

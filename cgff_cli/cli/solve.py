@@ -1,0 +1,91 @@
+"""`cgff solve`: form-find each scene, write what was found, tell how it ended."""
+
+import os
+import sys
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from cgff_cli.cli.common import ExitCode, SectionCommand, report_error, say, wanted, warn, word_options, worst
+from cgff_cli.cli.options import given_solve_options, output_options, scenes_argument, solve_options
+from cgff_cli.cli.outputs import Flags, Outputs
+
+if TYPE_CHECKING:
+    from cgff_cli.report.result import Result
+
+EPILOG = """\b
+Examples:
+  cgff solve prism.yaml
+  cgff solve prism.yaml -o prism.json --history prism-history.csv
+  cgff solve *.yaml --out-dir results --tolerance 1e-8
+  cgff solve net.yaml --format csv > shape.csv
+  cat prism.yaml | cgff solve - | jq .analysis
+"""
+
+
+@click.command("solve", cls=SectionCommand, epilog=EPILOG)
+@scenes_argument
+@output_options
+@solve_options
+@word_options
+@click.pass_context
+def command(ctx: click.Context, scenes: tuple[str, ...], **values: Any) -> None:
+    """Find the equilibrium shape of each scene.
+
+    A SCENE is a YAML or JSON file, or - for standard input. A solve option given here wins over the
+    scene's own `solver` block. A run that does not converge still writes its last state, and says so.
+    """
+    options = given_solve_options(values)
+    outputs = Outputs(scenes, Flags(*(values[name] for name in Flags._fields)))
+    code = ExitCode.OK
+    for scene in scenes:
+        code = worst(code, _solve(scene, options, outputs))
+        if code is ExitCode.INTERRUPTED:
+            break
+    outputs.finish()
+    ctx.exit(code)
+
+
+def _solve(scene: str, options: dict[str, Any], outputs: Outputs) -> ExitCode:
+    """Solve and write one scene; what goes wrong with it is told and stops no other."""
+    try:
+        result = _found(scene, options)
+        outputs.write(scene, result)
+    except BrokenPipeError:
+        raise
+    except Exception as error:
+        code = report_error(error)
+        outputs.failed(scene, "bad scene" if code is ExitCode.SCENE else "error")
+        return code
+    return _tell(scene, result)
+
+
+def _found(scene: str, options: dict[str, Any]) -> "Result":
+    from cgff_cli import pipeline
+
+    if wanted("quiet") or not sys.stderr.isatty():
+        return pipeline.solve(scene, **options)
+    from cgff_cli.report.progress import Progress
+
+    with Progress(_title(scene)) as progress:
+        return pipeline.solve(scene, observer=progress, **options)
+
+
+def _tell(scene: str, result: "Result") -> ExitCode:
+    """Say on standard error what a reader of the exit code alone would miss."""
+    title = _title(scene)
+    for warning in result.warnings:
+        warn(f"cgff: {title}: warning: {warning}")
+    if not result.converged or wanted("verbose"):
+        say(f"cgff: {title}: {result.verdict}: {result.message}")
+    if result.verdict == "interrupted":
+        return ExitCode.INTERRUPTED
+    if not result.converged:
+        return ExitCode.NOT_CONVERGED
+    if result.analysis.get("stable") is False:
+        warn(f"cgff: {title}: unstable: the forces balance, but the least disturbance changes the shape")
+    return ExitCode.OK
+
+
+def _title(scene: str) -> str:
+    return "<stdin>" if scene == "-" else os.path.normpath(scene)

@@ -1,0 +1,91 @@
+"""Output that appears whole or not at all."""
+
+import io
+import os
+import stat
+import sys
+from collections.abc import Iterable
+
+from cgff_cli.errors import CgffError
+
+STDOUT = "-"
+
+# Lone surrogates, which UTF-8 cannot hold, come out as \udXXX: in JSON that is their proper escape.
+_TEXT = {"encoding": "utf-8", "errors": "backslashreplace", "newline": "\n"}
+
+
+def write_output(path: str, chunks: Iterable[str]) -> None:
+    """Write text to a file, or to standard output for "-".
+
+    A file is written beside its final place and moved there once complete, so a failure leaves an
+    older file as it was. Devices and pipes cannot be replaced and are written straight.
+    Raises CgffError when the system refuses, BrokenPipeError when a reader has gone.
+    """
+    try:
+        if path == STDOUT:
+            _write_stdout(chunks)
+        elif is_stream(path):
+            with open(path, "w", **_TEXT) as out:  # type: ignore[call-overload]
+                out.writelines(chunks)
+        else:
+            _write_whole(os.path.realpath(path), chunks)
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        name = "standard output" if path == STDOUT else path
+        raise CgffError(f"{name}: cannot be written: {error.strerror or error}") from error
+
+
+def is_stream(path: str) -> bool:
+    """Tell whether a path names a device or a pipe, such as /dev/stdout or a shell's >(...)."""
+    if path.startswith("/dev/"):
+        return True  # a redirected /dev/stdout is a regular file to stat, yet the shell holds it open
+    try:
+        mode = os.stat(path).st_mode
+    except OSError:
+        return False
+    return not (stat.S_ISREG(mode) or stat.S_ISDIR(mode))
+
+
+def make_folder(path: str) -> None:
+    """Create a folder and its parents where missing; raises CgffError."""
+    try:
+        os.makedirs(path, exist_ok=True)
+    except OSError as error:
+        raise CgffError(f"{path}: cannot be made a folder: {error.strerror}") from error
+
+
+def check_target(path: str) -> None:
+    """Raise CgffError where a file could not be written: no such folder, or the path is one."""
+    target = os.path.realpath(path)
+    folder = os.path.dirname(target)
+    if os.path.isdir(target):
+        raise CgffError(f"{path}: cannot be written: it is a folder")
+    if not os.path.isdir(folder):
+        raise CgffError(f"{path}: cannot be written: there is no folder {folder}")
+    if os.path.exists(target) and not os.access(target, os.W_OK):
+        raise CgffError(f"{path}: cannot be written: it is read-only")
+
+
+def _write_stdout(chunks: Iterable[str]) -> None:
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(**_TEXT)  # type: ignore[arg-type]
+    for chunk in chunks:
+        sys.stdout.write(chunk)
+    sys.stdout.flush()
+
+
+def _write_whole(target: str, chunks: Iterable[str]) -> None:
+    check_target(target)
+    part = os.path.join(os.path.dirname(target), f".cgff-{os.urandom(6).hex()}.part")
+    # os.open, unlike the tempfile module, gives the new file the permissions umask asks for.
+    handle = os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+    try:
+        with open(handle, "w", **_TEXT) as out:  # type: ignore[call-overload]
+            out.writelines(chunks)
+        if os.path.exists(target):
+            os.chmod(part, stat.S_IMODE(os.stat(target).st_mode))
+        os.replace(part, target)
+    except BaseException:
+        os.unlink(part)
+        raise

@@ -1,0 +1,181 @@
+"""One result as a page for the terminal."""
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from rich.console import RenderableType
+from rich.text import Text
+
+from cgff_cli.report.result import Result
+from cgff_cli.report.terminal import (
+    Column,
+    aligned,
+    clean,
+    count,
+    duration,
+    fields,
+    number,
+    numbers,
+    rendered,
+    verdict_words,
+)
+
+FEW = 30
+"""Lists longer than this are summarised unless asked for in full."""
+
+_NAMED = 6  # elements named in a sentence before it says how many more
+
+
+def result_text(result: Result, *, terminal: bool, full: bool = False) -> str:
+    """Return the page: how it ended, what was found, nodes and elements.
+
+    terminal : colour it and wrap its sentences at the terminal's width
+    full     : list every node and element, however many
+    """
+    return rendered(_page(result, full), terminal)
+
+
+def _page(result: Result, full: bool) -> Iterator[RenderableType]:
+    yield Text.assemble((clean(result.source.name), "bold"), "  ", verdict_words(result.verdict))
+    yield Text("")
+    yield fields(_facts(result))
+    yield Text("")
+    yield from _nodes(result, full)
+    if result.source.supports:
+        yield from _reactions(result, full)
+    yield Text("")
+    yield from _elements(result) if full or result.source.element_count <= FEW else _groups(result)
+
+
+def _facts(result: Result) -> Iterator[tuple[str, str]]:
+    source, residual, counts = result.source, result.residual, result.counts
+    yield "verdict", result.message
+    yield (
+        "structure",
+        f"{count(len(source.node_names), 'node')}, {count(source.element_count, 'element')} in "
+        f"{count(len(source.groups), 'group')}, {source.dimension}-D, law {source.law}",
+    )
+    yield (
+        "residual",
+        f"{residual['max']:.2e}, {residual['relative']:.2e} of the reference force "
+        f"{number(residual['reference_force'])}",
+    )
+    yield "energy", number(result.energy)
+    effort = [count(counts[kind], kind[:-1]) for kind in ("iterations", "evaluations", "factorizations")]
+    yield "effort", f"{', '.join(effort)}, {duration(result.seconds)}"
+    yield "analysis", analysis_words(result.analysis)
+    for warning in result.warnings:
+        yield "warning", clean(warning)
+
+
+def analysis_words(analysis: dict[str, Any]) -> str:
+    """Return what the analysis found, in words; what was not computed is left out."""
+    words = []
+    if analysis.get("self_stress_states") is not None:
+        words.append(count(analysis["self_stress_states"], "state of self-stress", "states of self-stress"))
+    if analysis.get("mechanisms") is not None:
+        words.append(count(analysis["mechanisms"], "mechanism"))
+    if analysis.get("stability"):
+        words.append(str(analysis["stability"]))
+    if analysis.get("super_stable"):
+        words.append("super-stable")
+    if analysis.get("prestressed") is False:
+        words.append("no prestress")
+    words += _listed(analysis, "slack_cables", "slack_count", "slack cable")
+    words += _listed(
+        analysis, "struts_in_tension", "struts_in_tension_count", "strut in tension", "struts in tension"
+    )
+    return ", ".join(words) or "not computed"
+
+
+def _listed(analysis: dict[str, Any], key: str, count_key: str, singular: str, plural: str = "") -> list[str]:
+    labels = analysis.get(key) or []
+    if not labels:
+        return []
+    total = analysis.get(count_key) or len(labels)
+    named = ", ".join(clean(label) for label in labels[:_NAMED])
+    more = f" and {total - _NAMED} more" if total > _NAMED else ""
+    return [f"{count(total, singular, plural)} ({named}{more})"]
+
+
+def _nodes(result: Result, full: bool) -> Iterator[RenderableType]:
+    X, axes = result.coordinates, "xyz"[: result.source.dimension]
+    if full or len(X) <= FEW:
+        yield from aligned([_names("node", result.source.node_names), *_axes(X, axes)])
+        return
+    low, high = X.min(axis=0), X.max(axis=0)
+    spans = [f"{axis} {number(a)} .. {number(b)}" for axis, a, b in zip(axes, low, high, strict=True)]
+    yield fields([("nodes", ", ".join(spans))])
+
+
+def _reactions(result: Result, full: bool) -> Iterator[RenderableType]:
+    reactions = result.reactions
+    values = np.array(list(reactions.values()))
+    axes = "xyz"[: result.source.dimension]
+    if full or len(values) <= FEW:
+        yield Text("")
+        yield from aligned([_names("reaction", tuple(reactions)), *_axes(values, axes)])
+        return
+    total = zip(axes, values.sum(axis=0), strict=True)
+    yield fields([("reactions", "sum " + ", ".join(f"{axis} {number(value)}" for axis, value in total))])
+
+
+def _elements(result: Result) -> Iterator[Text]:
+    s, names, groups = result.structure, result.source.node_names, result.source.groups
+    yield from aligned(
+        [
+            Column("element", [clean(group.name) for group in groups for _ in group.EA]),
+            Column("kind", [group.kind for group in groups for _ in group.EA]),
+            Column("start", [clean(names[row]) for row in s.start.tolist()]),
+            Column("end", [clean(names[row]) for row in s.end.tolist()]),
+            Column("length", numbers(result.lengths.tolist()), True),
+            Column("force", numbers(result.forces.tolist()), True),
+            Column("force density", numbers(result.force_densities.tolist()), True),
+            *_slack(result),
+        ]
+    )
+
+
+def _slack(result: Result) -> list[Column]:
+    if not result.slack.any():
+        return []
+    marks = ["slack" if slack else "" for slack in result.slack.tolist()]
+    return [Column("", marks, styles=["yellow"] * len(marks))]
+
+
+def _groups(result: Result) -> Iterator[Text]:
+    groups = result.source.groups
+    cuts = np.cumsum([0, *(len(group.EA) for group in groups)])
+    rows = [slice(a, b) for a, b in pairwise(cuts.tolist())]
+    slack = [int(result.slack[own].sum()) for own in rows]
+    yield from aligned(
+        [
+            Column("group", [clean(group.name) for group in groups]),
+            Column("kind", [group.kind for group in groups]),
+            Column("count", [str(len(group.EA)) for group in groups], True),
+            *_spans("length", result.lengths, rows),
+            *_spans("force", result.forces, rows),
+            *_spans("force density", result.force_densities, rows),
+            *([Column("slack", [str(number) for number in slack], True)] if any(slack) else []),
+        ]
+    )
+
+
+def _spans(title: str, values: np.ndarray, rows: list[slice]) -> list[Column]:
+    """Return one column of `least .. largest` per group, or of one value where they look the same."""
+    ends = [end(values[own]) for own in rows for end in (np.min, np.max)]
+    texts = numbers([float(value) for value in ends])
+    width = max(map(len, texts))
+    pairs = zip(texts[::2], texts[1::2], strict=True)
+    cells = [f"{low:>{width}} .. {high:>{width}}" if low != high else high for low, high in pairs]
+    return [Column(title, cells, True)]
+
+
+def _names(title: str, names: tuple[str, ...]) -> Column:
+    return Column(title, [clean(name) for name in names])
+
+
+def _axes(values: np.ndarray, axes: str) -> list[Column]:
+    return [Column(axis, numbers(values[:, k].tolist()), True) for k, axis in enumerate(axes)]
