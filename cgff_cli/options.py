@@ -62,7 +62,7 @@ class SolveOptions:
 OPTIONS: dict[str, Field[Any]] = {option.name: option for option in fields(SolveOptions)}
 
 
-def checked(name: str, value: object) -> str | float | int:
+def checked(name: str, value: object) -> Any:
     """Return one option's value in its own type, or raise OptionError saying what is allowed."""
     if name not in OPTIONS:
         near = difflib.get_close_matches(name, OPTIONS, n=1)

@@ -18,6 +18,9 @@ class Connectivity:
     def __init__(self, start: np.ndarray, end: np.ndarray, node_count: int):
         self.start, self.end, self.node_count = start, end, node_count
         self.is_small = len(start) * node_count <= DENSE_ENTRIES
+        if self.is_small:
+            self._rho = self.dense
+            self._transpose = np.ascontiguousarray(self._rho.T)
 
     @cached_property
     def dense(self) -> np.ndarray:
@@ -27,10 +30,6 @@ class Connectivity:
         rho[rows, self.start] += 1.0
         rho[rows, self.end] -= 1.0
         return rho
-
-    @cached_property
-    def _dense_transpose(self) -> np.ndarray:
-        return np.ascontiguousarray(self.dense.T)
 
     @cached_property
     def _sparse_transpose(self):  # type: ignore[no-untyped-def]
@@ -44,11 +43,11 @@ class Connectivity:
     def differences(self, X: np.ndarray) -> np.ndarray:
         """Return rho X: (b, d) element vectors, begin minus end, of (n, d) positions."""
         if self.is_small:
-            return self.dense @ X
+            return self._rho @ X
         return X[self.start] - X[self.end]
 
     def gather(self, V: np.ndarray) -> np.ndarray:
         """Return rho^T V: (n, d) sums over each node's elements of (b, d) element vectors."""
         if self.is_small:
-            return self._dense_transpose @ V
+            return self._transpose @ V
         return self._sparse_transpose @ V

@@ -8,6 +8,10 @@ strut has `least` = -inf. Another elastic law would change `extensions`, `forces
 import numpy as np
 
 
+TINY = 1e-100
+"""Stands in for zero length where something is divided by a length."""
+
+
 def least_extensions(tension_only: np.ndarray) -> np.ndarray:
     """Return the (b,) extensions below which an element goes slack: 0 for cables, -inf for struts."""
     return np.where(tension_only, 0.0, -np.inf)
@@ -34,8 +38,8 @@ def active(l: np.ndarray, rest_lengths: np.ndarray, least: np.ndarray) -> np.nda
 
 
 def force_densities(t: np.ndarray, l: np.ndarray) -> np.ndarray:
-    """Return the (b,) force densities q = t / l; zero where the force is, whatever the length."""
-    return np.divide(t, l, out=np.zeros_like(t), where=t != 0.0)
+    """Return the (b,) force densities q = t / l; finite at zero length, where they have no effect."""
+    return t / np.maximum(l, TINY)
 
 
 def energy(t: np.ndarray, e: np.ndarray) -> float:

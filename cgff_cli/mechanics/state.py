@@ -1,6 +1,4 @@
-"""A structure at one shape: every column of the mechanics, each computed once."""
-
-from functools import cached_property
+"""A structure at one shape: the columns of the mechanics, each computed once."""
 
 import numpy as np
 
@@ -26,55 +24,59 @@ class Mechanics:
         """Return the state at (n, d) positions X."""
         return State(self, X)
 
+    def on_free(self, vectors: np.ndarray) -> np.ndarray:
+        """Return (n, d) nodal vectors with zeros in the directions that supports hold."""
+        return vectors if self.all_free else np.where(self.structure.free, vectors, 0.0)
+
 
 class State:
-    """Columns at positions X (n, d): vectors V (b, d), lengths l, extensions e, forces t, q (b,)."""
+    """Columns at positions X (n, d).
+
+    V (b, d) element vectors; l, e, t, q (b,) lengths, extensions, forces, force densities; eta (n, d)
+    out-of-balance forces, eq. (9), supports' reactions included; free_eta without them.
+    """
 
     def __init__(self, mechanics: Mechanics, X: np.ndarray):
-        structure = mechanics.structure
+        structure, connectivity = mechanics.structure, mechanics.connectivity
         self.mechanics = mechanics
         self.X = X
-        self.V = mechanics.connectivity.differences(X)
+        self.V = connectivity.differences(X)
         self.l = elements.lengths(self.V)
         self.e = elements.extensions(self.l, structure.rest_lengths, mechanics.least)
         self.t = elements.forces(structure.stiffness, self.e)
         self.q = elements.force_densities(self.t, self.l)
         if len(mechanics.without_rest):  # t = k l: the force density is k at any length, zero included
             self.q[mechanics.without_rest] = structure.stiffness[mechanics.without_rest]
+        self.eta = residual(connectivity, self.V, self.q, structure.loads)
+        self.free_eta = mechanics.on_free(self.eta)
 
-    @cached_property
-    def eta(self) -> np.ndarray:
-        """(n, d) out-of-balance forces, supports' reactions included, eq. (9)."""
-        structure = self.mechanics.structure
-        return residual(self.mechanics.connectivity, self.V, self.q, structure.loads)
-
-    @cached_property
-    def free_eta(self) -> np.ndarray:
-        """(n, d) out-of-balance forces with zeros in the directions supports hold."""
-        return self.eta if self.mechanics.all_free else np.where(self.mechanics.structure.free, self.eta, 0.0)
-
-    @cached_property
+    @property
     def slack(self) -> np.ndarray:
         """(b,) bool, cables shorter than their rest length, which carry nothing."""
         return ~elements.active(self.l, self.mechanics.structure.rest_lengths, self.mechanics.least)
 
-    @cached_property
+    @property
     def active_stiffness(self) -> np.ndarray:
         """(b,) stiffness k, zero for slack cables."""
-        structure = self.mechanics.structure
-        if not structure.tension_only.any():
-            return structure.stiffness
-        return np.where(self.slack, 0.0, structure.stiffness)
+        return np.where(self.slack, 0.0, self.mechanics.structure.stiffness)
 
-    @cached_property
+    @property
     def u(self) -> np.ndarray:
         """(b, d) unit vectors, zero for an element of no length."""
         return tangent.unit_vectors(self.V, self.l)
 
+    @property
+    def energy(self) -> float:
+        """Total potential energy: elastic energy less the work of the loads."""
+        elastic = elements.energy(self.t, self.e)
+        if not self.mechanics.has_loads:
+            return elastic
+        return elastic - float(np.vdot(self.mechanics.structure.loads, self.X))
+
     def tangent_times(self, W: np.ndarray) -> np.ndarray:
         """Return K W over the free directions, (n, d), without forming K."""
-        product = tangent.times(self.mechanics.connectivity, self.u, self.active_stiffness, self.q, W)
-        return product if self.mechanics.all_free else np.where(self.mechanics.structure.free, product, 0.0)
+        connectivity = self.mechanics.connectivity
+        return self.mechanics.on_free(tangent.times(connectivity, self.u, self.active_stiffness, self.q, W))
 
     def dense_tangent(self) -> np.ndarray:
         """Return K over the free directions as a dense matrix, a fresh one each time."""
@@ -82,11 +84,3 @@ class State:
         if self.mechanics.all_free:
             return K
         return K[np.ix_(self.mechanics.dofs, self.mechanics.dofs)]
-
-    @cached_property
-    def energy(self) -> float:
-        """Total potential energy: elastic energy less the work of the loads."""
-        elastic = elements.energy(self.t, self.e)
-        if not self.mechanics.has_loads:
-            return elastic
-        return elastic - float(np.vdot(self.mechanics.structure.loads, self.X))

@@ -6,12 +6,13 @@ Element e adds the block B = (k - q) u u^T + q I between its two nodes, u its un
 import numpy as np
 
 from cgff_cli.mechanics.connectivity import Connectivity
+from cgff_cli.mechanics.elements import TINY
 from cgff_cli.mechanics.equilibrium import equilibrium_matrix, force_density_matrix
 
 
 def unit_vectors(V: np.ndarray, l: np.ndarray) -> np.ndarray:
     """Return (b, d) unit vectors; zero for an element of no length."""
-    return np.divide(V, l[:, None], out=np.zeros_like(V), where=l[:, None] > 0.0)
+    return V / np.maximum(l, TINY)[:, None]
 
 
 def times(

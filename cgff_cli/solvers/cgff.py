@@ -9,16 +9,17 @@ search, stopping test, restarts.
 """
 
 from dataclasses import replace
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
 
-from cgff_cli.mechanics.state import Mechanics
+from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.options import SolveOptions
 from cgff_cli.solvers.curvature import farthest_fall, separated
 from cgff_cli.solvers.directions import RULES
-from cgff_cli.solvers.line_search import strong_wolfe
-from cgff_cli.solvers.objectives import OBJECTIVES
+from cgff_cli.solvers.line_search import is_strong_wolfe, strong_wolfe
+from cgff_cli.solvers.objectives import OBJECTIVES, Line
 from cgff_cli.solvers.preconditioners import choose
 from cgff_cli.solvers.scaling import Frame, centred_and_scaled
 from cgff_cli.solvers.solution import History, Observer, Solution, concluded
@@ -75,78 +76,96 @@ class _Run:
         self.preconditioner = choose(mechanics, options)
         self.gauge = Gauge(mechanics)
         self.watch = Watch(options.tolerance, options.max_iterations)
-        self.state = mechanics.at(X)
-        self.evaluations = 1
+        self.evaluations = 0
+        self.state, self.g = self._at(X)
         self.escapes = 0
         self.last: _Direction | None = None
 
     def loop(self) -> Verdict:
         """Iterate until a stopping test holds."""
-        move = _Move(0.0, 0.0, 0.0, False)
+        move: _Move | None = _Move(0.0, 0.0, 0.0, False)
         iteration = 0
         while True:
-            g = self.objective.gradient(self.state)
             balance = self.gauge.measure(self.state)
-            self._record(iteration, g, balance, move)
-            verdict = self.watch.judge(balance, iteration, float(np.abs(self.state.X).max()))
-            if verdict is None and self._is_stationary(g):
+            self._record(iteration, balance, move)
+            verdict = self.watch.judge(balance, iteration)
+            if verdict is None and self._is_stationary():
                 return Verdict.STATIONARY
             if verdict is None:
-                next_move = self._descend(g)
-                if next_move is None:
+                move = self._descend()
+                if move is None:
                     return Verdict.ROUNDING_FLOOR if balance.at_floor else Verdict.STEP_VANISHED
             else:
-                next_move = self._escape() if verdict.converged else None
-                if next_move is None:
+                move = self._escape() if verdict.converged else None
+                if move is None:
                     return verdict
-            move = next_move
             iteration += 1
 
-    def _descend(self, g: np.ndarray) -> "_Move | None":
+    def _descend(self) -> "_Move | None":
         """Take one step of eq. (13); None when no direction gives one, however large the shift."""
         for _ in range(MAX_RESCUES):
             self.preconditioner.refresh(self.state)
-            d, cg_beta, restarted = self._direction(g)
-            alpha = self._step_length(g, d)
+            d, cg_beta, restarted = self._direction()
+            alpha = self._step(d)
             if alpha > 0.0:
-                self.state = self.mechanics.at(self.state.X + alpha * d)
-                self.evaluations += 1
-                return _Move(alpha * float(np.linalg.norm(d)), alpha, cg_beta, restarted)
+                return _Move(alpha * _norm(d), alpha, cg_beta, restarted)
             self.preconditioner.stiffen()
             self.last = None
         return None
 
-    def _direction(self, g: np.ndarray) -> tuple[np.ndarray, float, bool]:
+    def _direction(self) -> tuple[np.ndarray, float, bool]:
         """Return d_k, cg_beta, and whether the direction was reset to -z."""
+        g = self.g
         z = self.preconditioner.apply(g)
         gz = float(np.vdot(g, z))
         d, cg_beta, restarted = -z, 0.0, False
         if self.last is not None:
-            cg_beta = self.rule(g, z, *self.last)
-            d = cg_beta * self.last.d - z
-            conjugate = abs(float(np.vdot(g, self.last.z))) <= LOST_CONJUGACY * gz
-            restarted = not (conjugate and float(np.vdot(g, d)) <= -DOWNHILL * gz)
+            restarted = abs(float(np.vdot(g, self.last.z))) > LOST_CONJUGACY * gz
+            if not restarted:
+                cg_beta = self.rule(g, z, *self.last)
+                d = cg_beta * self.last.d - z
+                restarted = float(np.vdot(g, d)) > -DOWNHILL * gz
             if restarted:
                 d, cg_beta = -z, 0.0
         self.last = _Direction(g, z, d)
         return d, cg_beta, restarted
 
-    def _step_length(self, g: np.ndarray, d: np.ndarray) -> float:
-        """Return a strong Wolfe step, or the full step where only the gradient can still tell; else 0."""
-        line = self.objective.line(self.state, d)
-        slope = float(np.vdot(g, d))
-        first = self.preconditioner.first_step(line, slope)
-        step = strong_wolfe(line, slope, self.objective.noise(self.state), first)
-        self.evaluations += step.evaluations
-        alpha = step.length
-        g_norm = float(np.linalg.norm(g))
-        there = self.objective.gradient(self.mechanics.at(self.state.X + (alpha or 1.0) * d))
-        shrinkage = float(np.linalg.norm(there)) / g_norm
+    def _step(self, d: np.ndarray) -> float:
+        """Move along d by a strong Wolfe step and return its length, 0 for no move.
+
+        The full step is tried at its own state, which is kept if it serves; only then is the line itself
+        searched. Where changes of the objective are rounding error a full step that shrinks the gradient
+        is as good.
+        """
+        line: Line | None = None
+        slope, noise = float(np.vdot(self.g, d)), self.objective.noise(self.state)
+        alpha = 1.0
+        if not self.preconditioner.predicts_full_steps:
+            line = self.objective.line(self.state, d)
+            alpha = _parabola_step(line, slope)
+        there, g = self._at(self.state.X + alpha * d)
+        change = self.objective.change(self.state, there)
+        full = there, g
+        if not is_strong_wolfe(alpha, change, float(np.vdot(g, d)), slope, noise):
+            line = line or self.objective.line(self.state, d)
+            step = strong_wolfe(line, slope, noise, alpha)
+            self.evaluations += step.evaluations
+            alpha = step.length
+            if alpha > 0.0:
+                there, g = self._at(self.state.X + alpha * d)
+        shrinkage = _norm(g) / _norm(self.g)
         if alpha == 0.0 and shrinkage < 1.0:
-            alpha = 1.0
+            (there, g), alpha = full, 1.0
         if alpha > 0.0:
             self.preconditioner.adapt(alpha, shrinkage)
+            self.state, self.g = there, g
         return alpha
+
+    def _at(self, X: np.ndarray) -> tuple[State, np.ndarray]:
+        """Return the state at X and the gradient there."""
+        self.evaluations += 1
+        state = self.mechanics.at(X)
+        return state, self.objective.gradient(state)
 
     def _escape(self) -> "_Move | None":
         """Leave an unstable equilibrium along its most negative stiffness; None if it is a minimum."""
@@ -160,18 +179,17 @@ class _Run:
             return None
         self.escapes += 1
         self.last = None
-        self.state = self.mechanics.at(self.state.X + alpha * d)
-        self.evaluations += 1
+        self.state, self.g = self._at(self.state.X + alpha * d)
         return _Move(abs(alpha), alpha, 0.0, True)
 
-    def _is_stationary(self, g: np.ndarray) -> bool:
+    def _is_stationary(self) -> bool:
         """True where eq. (10) is stationary though forces do not balance: K eta = 0 with eta not 0."""
         if self.objective.name == "energy":
             return False
         force = float(np.abs(self.state.free_eta).max()) * float(self.gauge.nodal_stiffness.max())
-        return float(np.abs(g).max()) <= STATIONARY * force
+        return float(np.abs(self.g).max()) <= STATIONARY * force
 
-    def _record(self, iteration: int, g: np.ndarray, balance: Balance, move: "_Move") -> None:
+    def _record(self, iteration: int, balance: Balance, move: "_Move") -> None:
         frame, energy = self.frame, self.objective.name == "energy"
         unit = frame.energy if energy else frame.force**2
         slope_unit = frame.force if energy else frame.force * frame.stiffness
@@ -179,7 +197,7 @@ class _Run:
             iteration,
             self.objective.value(self.state) * unit,
             balance.residual * frame.force,
-            float(np.linalg.norm(g)) * slope_unit,
+            _norm(self.g) * slope_unit,
             move.step_norm * frame.length,
             move.alpha,
             move.cg_beta,
@@ -203,3 +221,13 @@ class _Move(NamedTuple):
     alpha: float
     cg_beta: float
     restarted: bool
+
+
+def _norm(vectors: np.ndarray) -> float:
+    return sqrt(np.vdot(vectors, vectors))
+
+
+def _parabola_step(line: Line, slope: float) -> float:
+    """Return the step to the minimum of the parabola with the line's slope and curvature at 0."""
+    curvature = line(0.0).curvature
+    return -slope / curvature if curvature > 0.0 else 1.0

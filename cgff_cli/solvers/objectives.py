@@ -1,8 +1,8 @@
 """What the loop minimises: the potential energy, or the paper's eq. (10), half the squared residual.
 
-An objective turns a state into a value and a gradient, and a direction into a `Line`: the objective's
-change, slope and curvature along X + a d as functions of the step a. Changes are summed element by
-element, never as a difference of two totals, so they stay meaningful long after the totals agree.
+An objective gives the value and gradient at a state, the change between two states, and a `Line`: change,
+slope and curvature along X + a d as functions of the step a. Changes are summed element by element, never
+taken as a difference of two totals, so they stay meaningful long after the totals agree.
 """
 
 from collections.abc import Callable
@@ -10,11 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cgff_cli.mechanics.elements import TINY
 from cgff_cli.mechanics.state import Mechanics, State
 
 
 class Trial(NamedTuple):
-    """The objective at step a along a line."""
+    """The objective at step a along a line, against its start."""
 
     step: float
     change: float
@@ -41,6 +42,14 @@ class Energy:
         """Return dP/dX over the free directions, (n, d)."""
         return -state.free_eta
 
+    def change(self, old: State, new: State) -> float:
+        """Return P(new) - P(old)."""
+        structure = self.mechanics.structure
+        elastic = 0.5 * float(structure.stiffness @ ((new.e - old.e) * (new.e + old.e)))
+        return (
+            elastic - float(np.vdot(structure.loads, new.X - old.X)) if self.mechanics.has_loads else elastic
+        )
+
     def line(self, state: State, d: np.ndarray) -> Line:
         """Return P along X + a d; along it l^2 = A + 2 a B + a^2 C, so a trial costs O(b) and no scatter."""
         structure, least = self.mechanics.structure, self.mechanics.least
@@ -53,23 +62,22 @@ class Energy:
 
         def trial(a: float) -> Trial:
             half = B + a * C
-            l = np.sqrt(np.maximum(A + a * (B + half), 0.0))
+            l = np.maximum(np.sqrt(np.maximum(A + a * (B + half), 0.0)), TINY)
             stretch = l - l0
             e = np.maximum(stretch, least)
             t = k * e
-            l = np.maximum(l, 1e-30)
             rate = half / l
-            q = t / l
             change = 0.5 * float(k @ ((e - e0) * (e + e0))) - a * work
             slope = float(t @ rate) - work
-            curvature = float(np.where(stretch >= least, k - q, -q) @ (rate * rate) + q @ C)
+            across = t / l
+            curvature = float((np.where(stretch >= least, k, 0.0) - across) @ (rate * rate) + across @ C)
             return Trial(a, change, slope, curvature)
 
         return trial
 
     def noise(self, state: State) -> float:
         """Return the rounding error to expect in a change of P."""
-        return 1e-15 * (float(np.abs(state.t) @ state.l) + abs(state.energy))
+        return 1e-15 * float(np.abs(state.t) @ state.l)
 
 
 class Residual:
@@ -88,16 +96,18 @@ class Residual:
         """Return df/dX over the free directions, (n, d)."""
         return -state.tangent_times(state.free_eta)
 
+    def change(self, old: State, new: State) -> float:
+        """Return f(new) - f(old)."""
+        return 0.5 * float(np.vdot(new.free_eta - old.free_eta, new.free_eta + old.free_eta))
+
     def line(self, state: State, d: np.ndarray) -> Line:
         """Return f along X + a d; the curvature leaves out second derivatives of eta."""
-        eta0 = state.free_eta
 
         def trial(a: float) -> Trial:
             there = self.mechanics.at(state.X + a * d)
-            eta = there.free_eta
             Kd = there.tangent_times(d)
-            change = 0.5 * float(np.vdot(eta - eta0, eta + eta0))
-            return Trial(a, change, -float(np.vdot(eta, Kd)), float(np.vdot(Kd, Kd)))
+            slope = -float(np.vdot(there.free_eta, Kd))
+            return Trial(a, self.change(state, there), slope, float(np.vdot(Kd, Kd)))
 
         return trial
 

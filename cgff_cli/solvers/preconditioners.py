@@ -12,7 +12,6 @@ import numpy as np
 from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.options import SolveOptions
 from cgff_cli.solvers.curvature import steepest_fall
-from cgff_cli.solvers.objectives import Line
 
 FIRST_SHIFT = 1e-3
 LEAST_SHIFT = 1e-15
@@ -23,6 +22,8 @@ class Preconditioner(Protocol):
     """What the loop asks of a preconditioner."""
 
     factorizations: int
+    predicts_full_steps: bool
+    """Whether a step of length 1 is the one to expect."""
 
     def refresh(self, state: State) -> None:
         """Rebuild M at a state."""
@@ -36,9 +37,6 @@ class Preconditioner(Protocol):
     def stiffen(self) -> None:
         """Ask for shorter, safer steps after a failed one."""
 
-    def first_step(self, line: Line, slope: float) -> float:
-        """Return the step length to try first."""
-
     def steepest_fall(self, state: State) -> np.ndarray | None:
         """Return a unit direction of negative stiffness at a balanced state, or None."""
 
@@ -47,6 +45,7 @@ class Identity:
     """M = I: plain conjugate gradients."""
 
     factorizations = 0
+    predicts_full_steps = False
 
     def refresh(self, state: State) -> None:
         """Do nothing."""
@@ -61,11 +60,6 @@ class Identity:
     def stiffen(self) -> None:
         """Do nothing."""
 
-    def first_step(self, line: Line, slope: float) -> float:
-        """Return the step to the minimum of the parabola through slope and curvature at 0."""
-        curvature = line(0.0).curvature
-        return -slope / curvature if curvature > 0.0 else 1.0
-
     def steepest_fall(self, state: State) -> np.ndarray | None:
         """Return a unit direction of negative stiffness, or None."""
         return steepest_fall(state)
@@ -73,6 +67,8 @@ class Identity:
 
 class DenseTangent:
     """The shifted tangent as a dense matrix over the free directions; small structures, numpy alone."""
+
+    predicts_full_steps = True
 
     def __init__(self, mechanics: Mechanics, squared: bool):
         structure = mechanics.structure
@@ -120,10 +116,6 @@ class DenseTangent:
     def stiffen(self) -> None:
         """Raise mu a hundredfold."""
         self.mu *= 100.0
-
-    def first_step(self, line: Line, slope: float) -> float:
-        """Return 1, the Newton step."""
-        return 1.0
 
     def steepest_fall(self, state: State) -> np.ndarray | None:
         """Return a unit direction of negative stiffness, or None."""

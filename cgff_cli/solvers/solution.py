@@ -26,22 +26,21 @@ COLUMNS = (
 
 
 class History:
-    """Columns of numbers, one row per iteration, row 0 the start; never a copy of the shape."""
+    """One row of numbers per iteration, row 0 the start; never a copy of the shape."""
 
     def __init__(self, observer: Observer | None = None):
-        self.columns: dict[str, list[Any]] = {name: [] for name in COLUMNS}
+        self.rows: list[tuple[float, ...]] = []
         self.observer = observer
 
-    def add(self, *row: float | int | bool | None) -> None:
+    def add(self, *row: float) -> None:
         """Append one row, in the order of COLUMNS, and show it to the observer."""
-        for column, value in zip(self.columns.values(), row, strict=True):
-            column.append(value)
+        self.rows.append(row)
         if self.observer is not None:
             self.observer(dict(zip(COLUMNS, row, strict=True)))
 
-    def restarts(self) -> int:
-        """Return how often the direction was reset to steepest descent."""
-        return sum(self.columns["restarted"])
+    def columns(self) -> dict[str, list[Any]]:
+        """Return column name -> one value per iteration."""
+        return dict(zip(COLUMNS, map(list, zip(*self.rows, strict=True)), strict=True))
 
 
 @dataclass(frozen=True)
@@ -95,6 +94,7 @@ def concluded(
 ) -> Solution:
     """Return the Solution for a last state in the user's units about `centre`."""
     gauge = Gauge(state.mechanics)
+    columns = history.columns()
     balance = gauge.measure(state)
     return Solution(
         state=state,
@@ -105,10 +105,10 @@ def concluded(
         residual_norm=float(np.linalg.norm(state.free_eta)),
         reference=balance.reference,
         floor=gauge.rounding_floor(state),
-        iterations=len(history.columns["iteration"]) - 1,
+        iterations=len(history.rows) - 1,
         evaluations=evaluations,
         factorizations=factorizations,
-        restarts=history.restarts(),
-        history=history.columns,
+        restarts=sum(columns["restarted"]),
+        history=columns,
         warnings=warnings,
     )

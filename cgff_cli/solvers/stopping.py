@@ -15,7 +15,7 @@ VANISHED = 16.0
 """Forces below this many rounding floors are taken for zero."""
 
 FAR = 1e12
-"""A scaled structure this large has no equilibrium in reach."""
+"""Residual, against stiffness times size, that no shape within reach can have."""
 
 NEAR = 1e-6
 """Residuals above this share of the stiffness are far above any rounding floor."""
@@ -106,12 +106,12 @@ class Watch:
         self.best = float("inf")
         self.waited = 0
 
-    def judge(self, balance: Balance, iteration: int, size: float) -> Verdict | None:
+    def judge(self, balance: Balance, iteration: int) -> Verdict | None:
         """Return the verdict that ends the run, or None to go on.
 
         Order: diverged, converged, rounding floor (reached, and three iterations without halving it), limit.
         """
-        if not (balance.residual < float("inf") and size < FAR):
+        if not balance.residual < FAR:
             return Verdict.DIVERGED
         if balance.residual <= self.tolerance * balance.reference:
             return Verdict.CONVERGED
