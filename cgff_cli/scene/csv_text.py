@@ -1,0 +1,111 @@
+"""CSV text -> a header and rows of cells, and the line and column of any cell once one is needed."""
+
+import csv
+import io
+from collections.abc import Iterator
+from functools import cached_property
+
+from cgff_cli.errors import Problem
+from cgff_cli.scene.findings import LISTED, Mark, listed, more
+
+
+class Table:
+    """Rows of one CSV file, and the problems found in it.
+
+    header : stripped names of the columns
+    rows   : cells of every row that is not blank, as they are written
+    """
+
+    def __init__(self, path: str, text: str):
+        self.path = path
+        self._text = text
+        self._found: list[tuple[int, int, str]] = []
+        self._broken: list[Problem] = []
+        self.header: list[str] = []
+        self.rows: list[list[str]] = []
+        reader = csv.reader(io.StringIO(text, newline=""), strict=True)
+        try:
+            self.header = [cell.strip() for cell in next((row for row in reader if not _blank(row)), [])]
+            self.rows = list(reader)
+        except csv.Error as error:
+            self._broken.append(Problem(path, max(1, reader.line_num), 1, f"not valid CSV: {error}"))
+
+        if set(map(len, self.rows)) != {len(self.header)}:
+            self.rows = [row for row in self.rows if not _blank(row)]
+
+    def add(self, row: int, column: int, message: str) -> None:
+        """Record a problem of one cell; row -1 is the header."""
+        self._found.append((row, column, message))
+
+    @property
+    def sound(self) -> bool:
+        """Whether no problem was found."""
+        return not self._found and not self._broken
+
+    def problems(self) -> list[Problem]:
+        """Return the problems with their places, the first LISTED of them and how many follow."""
+        ordered = sorted(set(self._found))
+        shown = [self._problem(item) for item in ordered[:LISTED]]
+        if len(ordered) > LISTED:
+            return [*shown, more(self._problem(ordered[-1]), len(ordered) - LISTED)]
+        return listed(shown + self._broken)
+
+    def _problem(self, item: tuple[int, int, str]) -> Problem:
+        row, column, message = item
+        return Problem(self.path, *self.place(row, column), message)
+
+    def place(self, row: int, column: int) -> Mark:
+        """Return line and column of the first character of a cell."""
+        line = self._starts[row + 1]
+        text = "".join(self._lines[line - 1 :][: self._spans[row + 1]])
+        offset = _cell_offset(text, column)
+        last_break = text.rfind("\n", 0, offset)
+        return line + text.count("\n", 0, offset), offset - last_break
+
+    @cached_property
+    def _lines(self) -> list[str]:
+        return list(io.StringIO(self._text, newline=""))
+
+    @cached_property
+    def _extents(self) -> list[Mark]:
+        """First line and number of lines of the header and of every row that is not blank."""
+        reader = csv.reader(iter(self._lines))
+        extents, before = [], 0
+        for row in reader:
+            if not _blank(row):
+                extents.append((before + 1, reader.line_num - before))
+            before = reader.line_num
+        return extents or [(1, 1)]
+
+    @cached_property
+    def _starts(self) -> list[int]:
+        return [first for first, _ in self._extents]
+
+    @cached_property
+    def _spans(self) -> list[int]:
+        return [count for _, count in self._extents]
+
+
+def _blank(row: list[str]) -> bool:
+    return not row or (len(row) == 1 and not row[0].strip())
+
+
+def _cell_offset(text: str, column: int) -> int:
+    """Return where a cell starts: behind the column-th comma outside quotes, and behind blanks."""
+    starts = _cell_starts(text)
+    offset = 0
+    for _ in range(column + 1):
+        offset = next(starts, offset)
+    while text[offset : offset + 1] in (" ", "\t"):
+        offset += 1
+    return offset
+
+
+def _cell_starts(text: str) -> Iterator[int]:
+    yield 0
+    inside = False
+    for offset, character in enumerate(text):
+        if character == '"':
+            inside = not inside
+        elif character == "," and not inside:
+            yield offset + 1

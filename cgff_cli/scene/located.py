@@ -1,0 +1,229 @@
+"""Text -> plain values that know where they stand.
+
+YAML is read event by event, so that nothing is guessed: a scalar stays text (`Plain` where it was
+written without quotes) and the field it fills decides what it means. YAML's own types would turn
+`1e-8` into text, `no` into false and `1:30` into 90.
+"""
+
+import re
+from collections.abc import Iterator
+from typing import Any
+
+from cgff_cli.scene.findings import Mark, Where, label, quoted
+
+DEPTH = 40
+"""A scene needs five levels; deeper nesting is a mistake or an attack."""
+
+ALIASED = 100_000
+"""How many values all aliases of a file together may stand for."""
+
+_NOT_TEXT = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_EMPTY = "the file is empty; a scene needs at least law, nodes and elements"
+
+
+class Plain(str):
+    """A scalar written without quotes."""
+
+    __slots__ = ()
+
+
+class Branch:
+    """Where a mapping or list starts, and its keys and members."""
+
+    __slots__ = ("at", "keys", "members")
+
+    def __init__(self, at: Mark):
+        self.at = at
+        self.keys: dict[Any, Mark] = {}
+        self.members: dict[Any, Any] = {}
+
+
+Tree = Mark | Branch
+
+
+class FormError(Exception):
+    """The text cannot be read any further."""
+
+    def __init__(self, at: Mark, message: str):
+        self.at = at
+        super().__init__(message)
+
+
+class Document:
+    """A text's values, the place of each, and the faults of its form.
+
+    value  : dict, list or text; None where the text could not be read to its end
+    faults : (place, message) of everything that is wrong with the form
+    """
+
+    def __init__(self, events: Iterator[Any]):
+        composer = _Composer(events)
+        self.value: Any = None
+        self.faults = composer.faults
+        self._tree: Tree = (1, 1)
+        try:
+            self.value, self._tree = composer.document()
+            self.whole = True
+        except FormError as stop:
+            self.whole = False
+            self.faults.append((stop.at, str(stop)))
+
+    def place(self, where: Where, at_key: bool = False) -> Mark:
+        """Return the line and column of a value, or of its key; of its owner where it is missing."""
+        tree, key = self._tree, None
+        for step in where:
+            if not isinstance(tree, Branch) or step not in tree.members:
+                break
+            key = tree.keys.get(step)
+            tree = tree.members[step]
+        if at_key and key:
+            return key
+        return tree.at if isinstance(tree, Branch) else tree
+
+
+def yaml_events(text: str) -> Iterator[Any]:
+    """Yield the YAML events of a text; raises FormError where it is not YAML."""
+    import yaml
+
+    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    try:
+        yield from yaml.parse(text, Loader=loader)
+    except yaml.MarkedYAMLError as error:
+        raise FormError(_yaml_mark(error), _yaml_message(error, text)) from None
+    except (yaml.YAMLError, UnicodeEncodeError):
+        found = _NOT_TEXT.search(text)
+        if found is None:
+            raise
+        message = f"character U+{ord(found.group()):04X} is not allowed in a scene file"
+        raise FormError(mark_of(text, found.start()), message) from None
+
+
+def mark_of(text: str, offset: int) -> Mark:
+    """Return line and column of a position in a text."""
+    return text.count("\n", 0, offset) + 1, offset - (text.rfind("\n", 0, offset) + 1) + 1
+
+
+def _yaml_mark(error: Any) -> Mark:
+    mark = error.problem_mark or error.context_mark
+    return (mark.line + 1, mark.column + 1) if mark else (1, 1)
+
+
+def _yaml_message(error: Any, text: str) -> str:
+    line, column = _yaml_mark(error)
+    lines = text.split("\n")
+    if line <= len(lines) and lines[line - 1][column - 1 : column] == "\t":
+        return "not valid YAML: a tab cannot indent; use spaces"
+    context = f"{error.context}: " if error.context else ""
+    return f"not valid YAML: {context}{error.problem}"
+
+
+def _at(event: Any) -> Mark:
+    mark = event.start_mark
+    return mark.line + 1, mark.column + 1
+
+
+class _Composer:
+    """Events -> (value, tree); the one place that knows aliases, tags, duplicates and depth."""
+
+    def __init__(self, events: Iterator[Any]):
+        self.events = events
+        self.faults: list[tuple[Mark, str]] = []
+        self.anchors: dict[str, tuple[Any, Tree, int] | None] = {}
+        self.count = 0
+        self.aliased = 0
+
+    def document(self) -> tuple[Any, Tree]:
+        """Return the only document of a stream."""
+        next(self.events)
+        if type(next(self.events)).__name__ == "StreamEndEvent":
+            raise FormError((1, 1), _EMPTY)
+        root = self._node(next(self.events), (), 1)
+        next(self.events)
+        event = next(self.events)
+        if type(event).__name__ == "DocumentStartEvent":
+            self.faults.append((_at(event), "a second document starts here; a scene file holds one"))
+        return root
+
+    def _node(self, event: Any, where: Where, depth: int) -> tuple[Any, Tree]:
+        kind = type(event).__name__
+        if kind == "AliasEvent":
+            return self._alias(event)
+        if event.tag is not None:
+            self._tag(event, where)
+        if kind == "ScalarEvent":
+            node: tuple[Any, Tree] = (_scalar(event), _at(event))
+            size = 1
+        else:
+            if depth > DEPTH:
+                raise FormError(_at(event), f"nested deeper than {DEPTH} levels")
+            before = self.count
+            if event.anchor is not None:
+                self.anchors[event.anchor] = None
+            read = self._mapping if kind == "MappingStartEvent" else self._sequence
+            node = read(Branch(_at(event)), where, depth)
+            size = self.count - before + 1
+        self.count += 1
+        if event.anchor is not None:
+            self.anchors[event.anchor] = (*node, size)
+        return node
+
+    def _sequence(self, branch: Branch, where: Where, depth: int) -> tuple[list[Any], Branch]:
+        values: list[Any] = []
+        for event in self.events:
+            if type(event).__name__ == "SequenceEndEvent":
+                break
+            index = len(values)
+            value, branch.members[index] = self._node(event, (*where, index), depth + 1)
+            values.append(value)
+        return values, branch
+
+    def _mapping(self, branch: Branch, where: Where, depth: int) -> tuple[dict[str, Any], Branch]:
+        values: dict[str, Any] = {}
+        for event in self.events:
+            if type(event).__name__ == "MappingEndEvent":
+                break
+            key, _ = self._node(event, where, depth + 1)
+            at = _at(event)
+            name = key if isinstance(key, str) else "?"
+            value, tree = self._node(next(self.events), (*where, name), depth + 1)
+            fault = _key_fault(key, branch)
+            if fault:
+                self._fault(at, where, fault)
+            else:
+                values[key], branch.keys[key], branch.members[key] = value, at, tree
+        return values, branch
+
+    def _alias(self, event: Any) -> tuple[Any, Tree]:
+        name = event.anchor
+        if name not in self.anchors:
+            raise FormError(_at(event), f"alias *{name} has no anchor &{name} before it")
+        known = self.anchors[name]
+        if known is None:
+            raise FormError(_at(event), f"alias *{name} stands inside its own anchor")
+        value, tree, size = known
+        self.count += size
+        self.aliased += size
+        if self.aliased > ALIASED:
+            raise FormError(_at(event), f"aliases stand for more than {ALIASED} values; write them out")
+        return value, tree
+
+    def _tag(self, event: Any, where: Where) -> None:
+        tag = event.tag.replace("tag:yaml.org,2002:", "!!")
+        self._fault(_at(event), where, f"tags are not allowed, found {quoted(tag)}")
+
+    def _fault(self, at: Mark, where: Where, message: str) -> None:
+        self.faults.append((at, f"{label(where)}: {message}" if where else message))
+
+
+def _scalar(event: Any) -> str:
+    return event.value if event.style else Plain(event.value)
+
+
+def _key_fault(key: object, branch: Branch) -> str | None:
+    if not isinstance(key, str):
+        return "a key must be a word, not a list or mapping"
+    if isinstance(key, Plain) and key == "<<":
+        return "merge keys (<<) are not allowed; write the values out"
+    if key in branch.keys:
+        return f"duplicate key {quoted(key)}; first on line {branch.keys[key][0]}"
+    return None

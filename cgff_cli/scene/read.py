@@ -1,0 +1,111 @@
+"""The doors into a scene: from a file, from text, from Python objects."""
+
+import gc
+import os
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from cgff_cli.errors import Problem, SceneError
+from cgff_cli.scene.findings import Findings, listed
+from cgff_cli.scene.located import Document, yaml_events
+from cgff_cli.scene.scene import Scene
+from cgff_cli.scene.schema import read_scene
+from cgff_cli.scene.text import decoded, reason
+
+STDIN = "<stdin>"
+
+
+def load(path: str | os.PathLike[str]) -> Scene:
+    """Read a scene file, YAML or JSON; `-` reads standard input.
+
+    Raises SceneError with every problem found. A file named .json must be JSON. CSV tables are
+    looked for beside the scene file.
+    """
+    shown = os.fspath(path)
+    try:
+        if shown == "-":
+            return loads(decoded(sys.stdin.buffer.read(), STDIN), STDIN)
+        data = Path(shown).read_bytes()
+    except (OSError, ValueError) as error:
+        raise SceneError([Problem(shown, 1, 1, f"cannot read the scene: {reason(error)}")]) from None
+    return loads(decoded(data, shown), shown, Path(shown).parent)
+
+
+@contextmanager
+def _collection_paused() -> Iterator[None]:
+    """Pause garbage collection: a large scene makes millions of objects, none of them garbage yet."""
+    was_on = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_on:
+            gc.enable()
+
+
+def loads(text: str, path: str = "<text>", base: str | os.PathLike[str] | None = None) -> Scene:
+    """Read a scene from text. `path` names it in messages; CSV tables are relative to `base`.
+
+    Raises SceneError with every problem found; `base` is the current directory unless given.
+    """
+    text = text.removeprefix("\ufeff")
+    directory = Path(base) if base is not None else Path()
+    with _collection_paused():
+        scene = None
+        if path.lower().endswith(".json") or text.lstrip()[:1] == "{":
+            scene = _load_json(text, path, directory)
+        return scene or _located(Document(yaml_events(text)), path, directory)
+
+
+def from_dict(mapping: Mapping[str, Any]) -> Scene:
+    """Read a scene from Python objects of the same form; numpy numbers and arrays are welcome.
+
+    Raises SceneError with every problem found, all at <python>:1:1.
+    """
+    from cgff_cli.scene.python_values import plain_values
+
+    findings = Findings()
+    scene = read_scene(findings, plain_values(findings, mapping), "<python>", Path())
+    if scene is None or not findings.none:
+        raise SceneError(_cut(findings.problems("<python>", lambda where, at_key: (1, 1))))
+    return scene
+
+
+def _load_json(text: str, path: str, base: Path) -> Scene | None:
+    """Return the scene of a JSON text; None where the text is left to the YAML reader."""
+    from json import JSONDecodeError
+
+    from cgff_cli.scene import json_text
+
+    try:
+        findings = Findings()
+        scene = read_scene(findings, json_text.values(text), path, base)
+        if scene is not None and findings.none:
+            return scene
+    except json_text.UnclearError:
+        pass
+    except JSONDecodeError as error:
+        if not path.lower().endswith(".json") or not text.strip():
+            return None
+        message = f"not valid JSON: {error.msg[:1].lower()}{error.msg[1:]}"
+        raise SceneError([Problem(path, error.lineno, error.colno, message)]) from None
+    return _located(Document(json_text.events(text)), path, base)
+
+
+def _located(document: Document, path: str, base: Path) -> Scene:
+    """Return the scene of a document, or raise SceneError with the place of every problem."""
+    findings = Findings()
+    scene = read_scene(findings, document.value, path, base) if document.whole else None
+    if scene is not None and findings.none and not document.faults:
+        return scene
+    problems = [Problem(path, *at, message) for at, message in document.faults]
+    raise SceneError(_cut(problems + findings.problems(path, document.place)))
+
+
+def _cut(problems: list[Problem]) -> list[Problem]:
+    """Return the problems of each file, cut to a readable number."""
+    paths = dict.fromkeys(problem.path for problem in problems)
+    return [problem for path in paths for problem in listed([p for p in problems if p.path == path])]

@@ -1,0 +1,206 @@
+"""Nodes and elements from CSV files, column by column; a bad cell is reported at its own place."""
+
+from collections.abc import Collection, Sequence
+from itertools import chain
+from pathlib import Path
+
+import numpy as np
+
+from cgff_cli.errors import Problem, SceneError
+from cgff_cli.scene.csv_text import Table
+from cgff_cli.scene.fields import name_fault, number_text_fault, size_fault, sizes_fit, text_numbers
+from cgff_cli.scene.findings import Findings, Where, nearest, quoted
+from cgff_cli.scene.nodes import Nodes
+from cgff_cli.scene.scene import KINDS, Group
+from cgff_cli.scene.text import decoded, reason
+
+NODE_COLUMNS = ("name", "x", "y", "z")
+ELEMENT_COLUMNS = ("start", "end", "group", "kind", "EA", "rest_length")
+
+
+class _Columns:
+    """A table's cells by column name, stripped; rows that are too short are filled with ""."""
+
+    def __init__(self, table: Table, required: Collection[str], allowed: Collection[str]):
+        self.table = table
+        self.ragged: set[int] = set()
+        self.by_name: dict[str, list[str]] = {}
+        self.complete = _check_header(table, required, allowed)
+        if self.complete:
+            self._even_out()
+
+    def _even_out(self) -> None:
+        table = self.table
+        width = len(table.header)
+        if set(map(len, table.rows)) != {width}:
+            self.ragged = {i for i, row in enumerate(table.rows) if len(row) != width}
+        for i in sorted(self.ragged):
+            row = table.rows[i]
+            table.add(i, min(len(row) - 1, width), f"this row has {len(row)} cells, the header has {width}")
+            table.rows[i] = (row + [""] * width)[:width]
+        cells = list(chain.from_iterable(table.rows))
+        self.by_name = {column: cells[i::width] for i, column in enumerate(table.header)}
+
+    def texts(self, column: str) -> list[str]:
+        """Return the cells of a column without blanks around them."""
+        return list(map(str.strip, self.by_name[column]))
+
+    def add(self, row: int, column: str, message: str) -> None:
+        """Record a problem of a cell, unless its whole row has been reported."""
+        if row not in self.ragged:
+            self.table.add(row, self.table.header.index(column), message)
+
+    def names(self, column: str) -> list[str]:
+        """Return a column of names, recording every text that cannot be one."""
+        texts = self.texts(column)
+        if not all(texts) or not "".join(texts).isprintable() or max(map(len, texts), default=0) > 200:
+            for row, text in enumerate(texts):
+                if fault := name_fault(text):
+                    self.add(row, column, f"{column}: {fault}")
+        return texts
+
+    def numbers(self, column: str, lower: str = "") -> np.ndarray | None:
+        """Return a column of numbers, recording every cell that is none or out of its range."""
+        texts = self.texts(column)
+        result = text_numbers(texts)
+        if result is not None and sizes_fit(result, lower):
+            return result
+        for row, text in enumerate(texts):
+            fault = number_text_fault(text) or size_fault(float(text), lower, text)
+            if fault:
+                self.add(row, column, f"{column}: {fault}")
+        return None
+
+
+def open_table(findings: Findings, where: Where, file: str, base: Path) -> Table | None:
+    """Return the table in a file whose path is relative to `base`, or record why it cannot be read."""
+    path = base / file
+    try:
+        text = decoded(path.read_bytes(), str(path))
+    except SceneError as error:
+        findings.other_files.append(Unreadable(error.problems))
+        return None
+    except (OSError, ValueError) as error:
+        findings.add(where, f"cannot read {quoted(str(path))}: {reason(error)}")
+        return None
+    table = Table(str(path), text)
+    findings.other_files.append(table)
+    return table
+
+
+class Unreadable:
+    """A file that is no text."""
+
+    sound = False
+
+    def __init__(self, problems: Sequence[Problem]):
+        self._problems = list(problems)
+
+    def problems(self) -> list[Problem]:
+        """Return where it stops being text."""
+        return self._problems
+
+
+def read_nodes(table: Table) -> Nodes | None:
+    """Return the nodes of a table with columns name, x, y and perhaps z."""
+    columns = _Columns(table, NODE_COLUMNS[:3], NODE_COLUMNS)
+    if not columns.complete:
+        return None
+    names = columns.names("name")
+    rows = {name: row for row, name in enumerate(names)}
+    if len(rows) < len(names):
+        _report_repeated(columns, names)
+    axes = NODE_COLUMNS[1 : len(table.header)]
+    read = [columns.numbers(axis) for axis in axes]
+    good = [column for column in read if column is not None]
+    coordinates = np.column_stack(good) if table.sound and len(good) == len(axes) else None
+    return Nodes(rows, coordinates, len(axes), lambda row, message: columns.add(row, "name", message))
+
+
+def _report_repeated(columns: _Columns, names: list[str]) -> None:
+    first: dict[str, int] = {}
+    for row, name in enumerate(names):
+        before = first.setdefault(name, row)
+        if before != row and name:
+            line = columns.table.place(before, 0)[0]
+            columns.add(row, "name", f"node {quoted(name)} is defined twice; first on line {line}")
+
+
+def read_elements(
+    findings: Findings, table: Table, nodes: Nodes | None, law: str | None
+) -> list[Group] | None:
+    """Return the groups of a table, in order of first appearance; None where a cell is wrong."""
+    columns = _Columns(table, ELEMENT_COLUMNS, ELEMENT_COLUMNS)
+    if not columns.complete:
+        return None
+    ends = [_rows(findings, columns, column, nodes) for column in ("start", "end")]
+    EA = columns.numbers("EA", "> 0")
+    rest_length = columns.numbers("rest_length", "> 0" if law == "hooke" else ">= 0")
+    groups, kinds = columns.names("group"), columns.texts("kind")
+    _check_kinds(columns, groups, kinds)
+    if ends[0] is None or ends[1] is None or EA is None or rest_length is None:
+        return None
+    pairs = np.column_stack((ends[0], ends[1]))
+    names = columns.texts("start")
+    for row in np.flatnonzero(pairs[:, 0] == pairs[:, 1]).tolist():
+        columns.add(row, "end", f"node {quoted(names[row])} is joined to itself")
+    return _split(groups, kinds, pairs, EA, rest_length) if table.sound else None
+
+
+def _split(
+    groups: list[str], kinds: list[str], pairs: np.ndarray, EA: np.ndarray, rest_length: np.ndarray
+) -> list[Group]:
+    order: dict[str, int] = {}
+    codes = np.array([order.setdefault(group, len(order)) for group in groups])
+    rows = np.argsort(codes, kind="stable")
+    ends = np.cumsum(np.bincount(codes))[:-1]
+    return [
+        Group(name, kinds[rows_of[0]], pairs[rows_of], EA[rows_of], rest_length[rows_of])
+        for name, rows_of in zip(order, np.split(rows, ends), strict=True)
+    ]
+
+
+def _rows(findings: Findings, columns: _Columns, column: str, nodes: Nodes | None) -> np.ndarray | None:
+    names = columns.names(column)
+    if nodes is None:
+        return None
+    rows = nodes.look_up(names)
+    if rows is None:
+        for row, name in enumerate(names):
+            if name and name not in nodes.rows:
+                columns.add(row, column, nodes.undefined(findings, name))
+    return rows
+
+
+def _check_kinds(columns: _Columns, groups: list[str], kinds: list[str]) -> None:
+    of_group: dict[str, str] = {}
+    for row, (group, kind) in enumerate(zip(groups, kinds, strict=True)):
+        if kind not in KINDS:
+            columns.add(
+                row, "kind", f"kind: must be cable or strut, got {quoted(kind) if kind else 'nothing'}"
+            )
+        elif of_group.setdefault(group, kind) != kind:
+            columns.add(row, "kind", f"group {quoted(group)} is of kind {of_group[group]} above, here {kind}")
+
+
+def _check_header(table: Table, required: Collection[str], allowed: Collection[str]) -> bool:
+    """Record what is wrong with the header and return whether every row can be read by it."""
+    if not table.sound:
+        return False
+    seen: set[str] = set()
+    for i, column in enumerate(table.header):
+        if column in seen:
+            table.add(-1, i, f"column {quoted(column)} stands here twice")
+        elif column not in allowed:
+            near = nearest(column, allowed)
+            hint = f"; did you mean {near!r}?" if near else ";"
+            table.add(-1, i, f"unknown column {quoted(column)}{hint} allowed: {', '.join(allowed)}")
+        seen.add(column)
+    missing = [column for column in required if column not in seen]
+    if missing:
+        table.add(
+            -1, 0, f"missing column {', '.join(missing)}; the first line names the columns, split by commas"
+        )
+    elif not table.rows:
+        table.add(-1, 0, "the table has no rows")
+    return table.sound

@@ -1,0 +1,78 @@
+"""Scene -> YAML that reads back to the same scene, one node per line, numbers in full."""
+
+import json
+import re
+from collections.abc import Iterable
+
+import numpy as np
+
+from cgff_cli.scene.scene import Group, Scene
+
+_WIDTH = 100
+_PLAIN = re.compile(r"\w(?:[\w ./()+-]*[\w./()+-])?")
+_PLAIN_TITLE = re.compile(r"\w(?:[\w ,./()+-]*[\w./()+-])?")
+
+
+def to_yaml(scene: Scene) -> str:
+    """Return a scene file with everything a scene says; CSV tables become part of it."""
+    lines = [f"name: {_title(scene.name)}", f"law: {scene.law}", "nodes:"]
+    names = [_word(name) for name in scene.node_names]
+    for name, point in zip(names, scene.coordinates.tolist(), strict=True):
+        lines.append(f"  {name}: {_flow(point)}")
+    lines.append("elements:")
+    for group in scene.groups:
+        lines += _group_lines(group, names)
+    if scene.supports:
+        lines.append("supports:")
+        lines += [f"  {names[row]}: {axes}" for row, axes in scene.supports.items()]
+    if scene.loads:
+        lines.append("loads:")
+        lines += [f"  {names[row]}: {_flow(load)}" for row, load in scene.loads.items()]
+    if scene.solver:
+        lines.append("solver:")
+        lines += [f"  {option}: {value}" for option, value in scene.solver.items()]
+    return "\n".join(lines) + "\n"
+
+
+def _group_lines(group: Group, names: list[str]) -> list[str]:
+    pairs = [f"[{names[start]}, {names[end]}]" for start, end in group.pairs.tolist()]
+    return [
+        f"  {_word(group.name)}:",
+        f"    kind: {group.kind}",
+        *_column("EA", group.EA),
+        *_column("rest_length", group.rest_length),
+        *_wrapped("pairs", pairs),
+    ]
+
+
+def _column(key: str, numbers: np.ndarray) -> list[str]:
+    if np.all(numbers == numbers[0]):
+        return [f"    {key}: {float(numbers[0])!r}"]
+    return _wrapped(key, [repr(number) for number in numbers.tolist()])
+
+
+def _wrapped(key: str, items: list[str]) -> list[str]:
+    """Return a list in brackets, broken where a line would be too long."""
+    lines, line = [], f"    {key}: ["
+    for i, item in enumerate(items):
+        piece = item + ("," if i + 1 < len(items) else "]")
+        if len(line) + len(piece) > _WIDTH and line.strip():
+            lines.append(line.rstrip())
+            line = "      "
+        line += piece + " "
+    return [*lines, line.rstrip()]
+
+
+def _flow(numbers: Iterable[float]) -> str:
+    return "[" + ", ".join(repr(float(number)) for number in numbers) + "]"
+
+
+def _word(name: str) -> str:
+    """Return a name as it may stand anywhere, in quotes only where YAML needs them."""
+    return name if _PLAIN.fullmatch(name) else json.dumps(name, ensure_ascii=False)
+
+
+def _title(name: str) -> str:
+    """Return the scene's name as it may stand at the end of a line; null would mean no name."""
+    plain = _PLAIN_TITLE.fullmatch(name) and name != "null"
+    return name if plain else json.dumps(name, ensure_ascii=False)
