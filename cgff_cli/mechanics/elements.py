@@ -2,11 +2,10 @@
 
 With k = EA (law `paper`, eq. 2) or k = EA / l0 (law `hooke`) both laws read t = k e, where the extension e
 is l - l0. A cable shorter than its rest length is slack: its extension never counts below `least` = 0; a
-strut has `least` = -inf. Another elastic law would change `extensions`, `forces` and `active` only.
+strut has `least` = -inf. Another elastic law would change `extensions`, `forces` and `taut` only.
 """
 
 import numpy as np
-
 
 TINY = 1e-100
 """Stands in for zero length where something is divided by a length."""
@@ -22,9 +21,9 @@ def lengths(V: np.ndarray) -> np.ndarray:
     return np.sqrt(np.einsum("ij,ij->i", V, V))
 
 
-def extensions(l: np.ndarray, rest_lengths: np.ndarray, least: np.ndarray) -> np.ndarray:
-    """Return the (b,) elastic extensions e = l - l0, no less than `least`."""
-    return np.maximum(l - rest_lengths, least)
+def extensions(stretch: np.ndarray, least: np.ndarray) -> np.ndarray:
+    """Return the (b,) elastic extensions e: the stretch l - l0, but no less than `least`."""
+    return np.maximum(stretch, least)
 
 
 def forces(stiffness: np.ndarray, e: np.ndarray) -> np.ndarray:
@@ -32,9 +31,9 @@ def forces(stiffness: np.ndarray, e: np.ndarray) -> np.ndarray:
     return stiffness * e
 
 
-def active(l: np.ndarray, rest_lengths: np.ndarray, least: np.ndarray) -> np.ndarray:
+def taut(stretch: np.ndarray, least: np.ndarray) -> np.ndarray:
     """Return (b,) bool: not slack; a cable at exactly its rest length is taken as taut."""
-    return l - rest_lengths >= least
+    return stretch >= least
 
 
 def force_densities(t: np.ndarray, l: np.ndarray) -> np.ndarray:

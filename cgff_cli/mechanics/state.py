@@ -32,7 +32,7 @@ class Mechanics:
 class State:
     """Columns at positions X (n, d).
 
-    V (b, d) element vectors; l, e, t, q (b,) lengths, extensions, forces, force densities; eta (n, d)
+    V (b, d) element vectors; l, stretch, e, t, q (b,) lengths, l - l0, extensions, forces, densities; eta (n, d)
     out-of-balance forces, eq. (9), supports' reactions included; free_eta without them.
     """
 
@@ -42,7 +42,8 @@ class State:
         self.X = X
         self.V = connectivity.differences(X)
         self.l = elements.lengths(self.V)
-        self.e = elements.extensions(self.l, structure.rest_lengths, mechanics.least)
+        self.stretch = self.l - structure.rest_lengths
+        self.e = elements.extensions(self.stretch, mechanics.least)
         self.t = elements.forces(structure.stiffness, self.e)
         self.q = elements.force_densities(self.t, self.l)
         if len(mechanics.without_rest):  # t = k l: the force density is k at any length, zero included
@@ -53,12 +54,12 @@ class State:
     @property
     def slack(self) -> np.ndarray:
         """(b,) bool, cables shorter than their rest length, which carry nothing."""
-        return ~elements.active(self.l, self.mechanics.structure.rest_lengths, self.mechanics.least)
+        return ~elements.taut(self.stretch, self.mechanics.least)
 
     @property
     def active_stiffness(self) -> np.ndarray:
         """(b,) stiffness k, zero for slack cables."""
-        return np.where(self.slack, 0.0, self.mechanics.structure.stiffness)
+        return self.mechanics.structure.stiffness * elements.taut(self.stretch, self.mechanics.least)
 
     @property
     def u(self) -> np.ndarray:
@@ -78,9 +79,13 @@ class State:
         connectivity = self.mechanics.connectivity
         return self.mechanics.on_free(tangent.times(connectivity, self.u, self.active_stiffness, self.q, W))
 
-    def dense_tangent(self) -> np.ndarray:
-        """Return K over the free directions as a dense matrix, a fresh one each time."""
-        K = tangent.dense(self.mechanics.connectivity.dense, self.u, self.active_stiffness, self.q)
+    def dense_tangent(self, q: np.ndarray | None = None) -> np.ndarray:
+        """Return K over the free directions as a dense matrix, a fresh one each time.
+
+        q: (b,) force densities to use in place of the state's own.
+        """
+        q = self.q if q is None else q
+        K = tangent.dense(self.mechanics.connectivity.dense, self.u, self.active_stiffness, q)
         if self.mechanics.all_free:
             return K
         return K[np.ix_(self.mechanics.dofs, self.mechanics.dofs)]

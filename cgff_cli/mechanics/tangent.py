@@ -29,8 +29,6 @@ def dense(rho: np.ndarray, u: np.ndarray, k: np.ndarray, q: np.ndarray) -> np.nd
     n, d = rho.shape[1], u.shape[1]
     A = equilibrium_matrix(rho, u)
     K = (A * (k - q)) @ A.T
-    D = force_density_matrix(rho, q)
-    blocks = K.reshape(n, d, n, d)
-    for axis in range(d):
-        blocks[:, axis, :, axis] += D
+    same_axis = np.einsum("iaja->aij", K.reshape(n, d, n, d))  # a view of K
+    same_axis += force_density_matrix(rho, q)
     return K

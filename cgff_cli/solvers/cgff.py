@@ -18,7 +18,7 @@ from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.options import SolveOptions
 from cgff_cli.solvers.curvature import farthest_fall, separated
 from cgff_cli.solvers.directions import RULES
-from cgff_cli.solvers.line_search import is_strong_wolfe, strong_wolfe
+from cgff_cli.solvers.line_search import FLAT, FLAT_ENOUGH_FOR_NEWTON, Goal, strong_wolfe
 from cgff_cli.solvers.objectives import OBJECTIVES, Line
 from cgff_cli.solvers.preconditioners import choose
 from cgff_cli.solvers.scaling import Frame, centred_and_scaled
@@ -83,7 +83,7 @@ class _Run:
 
     def loop(self) -> Verdict:
         """Iterate until a stopping test holds."""
-        move: _Move | None = _Move(0.0, 0.0, 0.0, False)
+        move = _Move(0.0, 0.0, 0.0, False)
         iteration = 0
         while True:
             balance = self.gauge.measure(self.state)
@@ -92,13 +92,13 @@ class _Run:
             if verdict is None and self._is_stationary():
                 return Verdict.STATIONARY
             if verdict is None:
-                move = self._descend()
-                if move is None:
-                    return Verdict.ROUNDING_FLOOR if balance.at_floor else Verdict.STEP_VANISHED
+                taken = self._descend()
+                verdict = Verdict.ROUNDING_FLOOR if balance.at_floor else Verdict.STEP_VANISHED
             else:
-                move = self._escape() if verdict.converged else None
-                if move is None:
-                    return verdict
+                taken = self._escape() if verdict.converged else None
+            if taken is None:
+                return verdict
+            move = taken
             iteration += 1
 
     def _descend(self) -> "_Move | None":
@@ -138,17 +138,19 @@ class _Run:
         is as good.
         """
         line: Line | None = None
-        slope, noise = float(np.vdot(self.g, d)), self.objective.noise(self.state)
+        newton = self.preconditioner.predicts_full_steps
+        flat = FLAT_ENOUGH_FOR_NEWTON if newton else FLAT
+        goal = Goal(float(np.vdot(self.g, d)), self.objective.noise(self.state), flat)
         alpha = 1.0
-        if not self.preconditioner.predicts_full_steps:
+        if not newton:
             line = self.objective.line(self.state, d)
-            alpha = _parabola_step(line, slope)
+            alpha = _parabola_step(line, goal.slope)
         there, g = self._at(self.state.X + alpha * d)
         change = self.objective.change(self.state, there)
         full = there, g
-        if not is_strong_wolfe(alpha, change, float(np.vdot(g, d)), slope, noise):
+        if not goal.is_met(alpha, change, float(np.vdot(g, d))):
             line = line or self.objective.line(self.state, d)
-            step = strong_wolfe(line, slope, noise, alpha)
+            step = strong_wolfe(line, goal, alpha)
             self.evaluations += step.evaluations
             alpha = step.length
             if alpha > 0.0:

