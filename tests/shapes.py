@@ -72,3 +72,16 @@ def out_of_balance(X: np.ndarray, pairs: Pairs, q: np.ndarray) -> np.ndarray:
                 other = j if node == i else i
                 total[node] += density * (X[other] - X[node])
     return total
+
+
+def twist(X: np.ndarray, pairs: Pairs) -> float:
+    """Return the mean angle in degrees, 0 to 180, that the pairs (bottom node, top node) turn about the axis.
+
+    The axis joins the centres of all bottom and all top nodes.
+    """
+    bottom, top = (X[list(nodes)] - X[list(nodes)].mean(axis=0) for nodes in zip(*pairs, strict=True))
+    axis = X[[j for _, j in pairs]].mean(axis=0) - X[[i for i, _ in pairs]].mean(axis=0)
+    axis /= np.linalg.norm(axis)
+    bottom, top = bottom - np.outer(bottom @ axis, axis), top - np.outer(top @ axis, axis)
+    angles = np.arctan2(np.cross(bottom, top) @ axis, (bottom * top).sum(axis=1))
+    return float(np.degrees(abs(angles.mean())))

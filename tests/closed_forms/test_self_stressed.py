@@ -1,12 +1,12 @@
 """Free tensegrities in self-stress: from a start off the answer, the closed form comes out."""
 
-from math import degrees, pi, sin
+from math import pi, sin
 
 import numpy as np
 import pytest
-from cgff_cli.scene.read import from_dict
 
 import cgff_cli
+from cgff_cli.scene.read import from_dict
 from tests.closed_forms.references import (
     LAWS,
     Reference,
@@ -14,7 +14,7 @@ from tests.closed_forms.references import (
     expanded_octahedron,
     prism,
 )
-from tests.shapes import distance_difference, out_of_balance
+from tests.shapes import distance_difference, out_of_balance, twist
 
 STARTS = [(0.05, 1), (0.1, 2), (0.2, 3)]  # perturbation in mean lengths, seed
 
@@ -54,14 +54,7 @@ def test_prisms_find_their_lengths_and_forces(n, start, law):
 @pytest.mark.parametrize("n", range(3, 13))
 def test_prisms_twist_by_a_right_angle_less_half_a_side(n):
     X = solved(prism(n), "paper", 0.1, 4).coordinates
-    X = X - X.mean(axis=0)
-    axis = X[n:].mean(axis=0) - X[:n].mean(axis=0)
-    axis /= np.linalg.norm(axis)
-    flat = X - np.outer(X @ axis, axis)
-    # Mean over all corners: turn of top i against bottom i about the axis.
-    sines = np.cross(flat[:n], flat[n:]) @ axis
-    cosines = (flat[:n] * flat[n:]).sum(axis=1)
-    assert degrees(abs(np.arctan2(sines, cosines).mean())) == pytest.approx(90.0 - 180.0 / n, abs=1e-6)
+    assert twist(X, [(i, n + i) for i in range(n)]) == pytest.approx(90.0 - 180.0 / n, abs=1e-6)
 
 
 @pytest.mark.parametrize("n", range(3, 13))

@@ -10,8 +10,12 @@ from itertools import product
 
 import numpy as np
 import pytest
+import yaml
 
+import cgff_cli
+from cgff_cli.scene.read import from_dict
 from tests.shapes import (
+    STRUCTURES,
     aligned,
     best_self_stress,
     distance_difference,
@@ -120,6 +124,17 @@ def test_cables_pull_twice_as_hard_as_struts_push_per_length(solved):
     assert q[:6] == pytest.approx(1.0, rel=2e-3)
     assert q[6:] == pytest.approx(-0.5, rel=2e-3)
     assert np.abs(out_of_balance(solved.coordinates, PAIRS, q)).max() < 1e-11
+
+
+def test_equal_rest_lengths_per_group_give_the_regular_hexagon_instead():
+    # So the printed shape needs rest lengths that differ from element to element.
+    scene = yaml.safe_load((STRUCTURES / "hexagon.yaml").read_text(encoding="utf-8"))
+    for group in scene["elements"].values():
+        group["rest_length"] = float(np.mean(group["rest_length"]))
+    result = cgff_cli.solve(from_dict(scene), tolerance=1e-12)
+    side = result.lengths[0]
+    assert result.converged
+    assert result.lengths == pytest.approx([side] * 6 + [2.0 * side] * 3, rel=1e-9)
 
 
 def test_the_answer_is_super_stable_with_one_self_stress_and_one_mechanism(solved):
