@@ -6,6 +6,7 @@ import numpy as np
 
 from cgff_cli.analysis.ranks import rank_conditions, rank_tolerance
 from cgff_cli.analysis.stability import is_super_stable, stability
+from cgff_cli.mechanics.rigid import rigid_motions
 from cgff_cli.options import SolveOptions
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers.solution import Solution
@@ -44,9 +45,10 @@ def analysed(scene: Scene, solution: Solution, options: SolveOptions) -> dict[st
     small = state.mechanics.connectivity.is_small and len(state.mechanics.dofs) <= SMALL
     if options.analysis == "always" or (options.analysis == "auto" and small):
         tolerance = rank_tolerance(solution.residual_max, solution.reference)
-        found |= rank_conditions(state, tolerance)
+        rigid = rigid_motions(state.X, state.mechanics.structure.free)
+        found |= rank_conditions(state, tolerance, rigid.shape[1])
         if solution.verdict.converged:
-            found |= stability(state)
+            found |= stability(state, rigid)
             found["super_stable"] = bool(found["stable"]) and is_super_stable(state, tolerance)
     slack = np.flatnonzero(state.slack)
     pushed = np.flatnonzero(~state.mechanics.structure.tension_only & (state.t > 0.0))

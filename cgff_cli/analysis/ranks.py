@@ -5,7 +5,6 @@ from typing import Any
 import numpy as np
 
 from cgff_cli.mechanics.equilibrium import equilibrium_matrix, force_density_matrix
-from cgff_cli.mechanics.rigid import rigid_motions
 from cgff_cli.mechanics.state import State
 
 LEAST_TOLERANCE = 1e-9
@@ -19,11 +18,12 @@ def rank_tolerance(residual: float, reference: float) -> float:
     return max(LEAST_TOLERANCE, 10.0 * residual / reference) if reference > 0.0 else LEAST_TOLERANCE
 
 
-def rank_conditions(state: State, tolerance: float) -> dict[str, Any]:
+def rank_conditions(state: State, tolerance: float, rigid: int) -> dict[str, Any]:
     """Return nullities of D and U and what follows: states of self-stress, mechanisms, rigid motions.
 
     n_D = n - rank D must be >= d + 1, eq. (5), and n_U = b - rank U >= 1, eq. (6), in a free prestressed
-    structure. States of self-stress and mechanisms count taut elements and free directions only.
+    structure. States of self-stress and mechanisms count taut elements and free directions only; rigid is
+    the number of rigid motions.
     """
     structure, rho = state.mechanics.structure, state.mechanics.connectivity.dense
     n, d = state.X.shape
@@ -31,7 +31,6 @@ def rank_conditions(state: State, tolerance: float) -> dict[str, Any]:
     U = equilibrium_matrix(rho, state.u)
     taut = ~state.slack
     taut_rank = _rank(U[structure.free.reshape(-1)][:, taut], tolerance)
-    rigid = rigid_motions(state.X, structure.free).shape[1]
     all_taut = state.mechanics.all_free and bool(taut.all())
     nullity_D = n - _rank(D, tolerance)
     nullity_U = len(taut) - (taut_rank if all_taut else _rank(U, tolerance))

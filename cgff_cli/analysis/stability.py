@@ -5,26 +5,26 @@ from typing import Any
 import numpy as np
 
 from cgff_cli.mechanics.equilibrium import force_density_matrix
-from cgff_cli.mechanics.rigid import rigid_motions
-from cgff_cli.mechanics.state import State
+from cgff_cli.mechanics.state import State, norm
 
 
-def stability(state: State) -> dict[str, Any]:
+def stability(state: State, rigid: np.ndarray) -> dict[str, Any]:
     """Return whether a balanced state is a strict minimum of the energy, apart from rigid motions.
 
     stability: "stable", "unstable", or "neutral" where the softest deformation has no stiffness beyond what
     rounding and the remaining residual explain; smallest_stiffness: that stiffness, force per length.
+    rigid: (m, r) orthonormal rigid motions of the m free directions, as from `rigid_motions`.
     """
-    R = rigid_motions(state.X, state.mechanics.structure.free)
     K = state.dense_tangent()
-    if len(K) == R.shape[1]:
+    if len(K) == rigid.shape[1]:
         return {"stable": True, "stability": "stable", "smallest_stiffness": None}
-    stiffest = float(np.abs(np.linalg.eigvalsh(K)).max()) or 1.0
-    K -= R @ (R.T @ K)
-    K -= (K @ R) @ R.T
-    softest = float(np.linalg.eigvalsh(0.5 * (K + K.T) + 2.0 * stiffest * (R @ R.T))[0])
+    stiffest = norm(K)
+    K -= rigid @ (rigid.T @ K)
+    K -= (K @ rigid) @ rigid.T
+    K += stiffest * (rigid @ rigid.T)
+    softest = float(np.linalg.eigvalsh(K)[0])
     size = float(np.abs(state.X).max()) or 1.0
-    unsure = 1e-14 * len(K) * stiffest + 4.0 * float(np.linalg.norm(state.free_eta)) / size
+    unsure = 1e-14 * np.sqrt(len(K)) * stiffest + 4.0 * norm(state.free_eta) / size
     kind = "stable" if softest > unsure else "unstable" if softest < -unsure else "neutral"
     return {"stable": kind == "stable", "stability": kind, "smallest_stiffness": softest}
 
@@ -37,22 +37,23 @@ def is_super_stable(state: State, tolerance: float) -> bool:
     and the affine motions are those that the supports allow.
     """
     d = state.X.shape[1]
-    free = state.mechanics.structure.free.reshape(-1)
-    D = np.kron(force_density_matrix(state.mechanics.connectivity.dense, state.q), np.eye(d))
-    values = np.linalg.eigvalsh(D[np.ix_(free, free)])
-    if not len(values) or not values[-1] > 0.0:
-        return False
-    threshold = tolerance * values[-1]
-    nullity = int((np.abs(values) <= threshold).sum())
-    return bool(values[0] >= -threshold) and nullity == _affine_motions(state.X, free)
+    D = force_density_matrix(state.mechanics.connectivity.dense, state.q)
+    affine = _affine_coordinates(state.X)
+    motions = affine.shape[1]
+    if not state.mechanics.all_free:
+        free = state.mechanics.structure.free.reshape(-1)
+        D = np.kron(D, np.eye(d))[np.ix_(free, free)]
+        held = np.kron(affine, np.eye(d))[~free]
+        motions = motions * d - int(np.linalg.matrix_rank(held, tol=1e-9))
+    values = np.linalg.eigvalsh(D)
+    threshold = tolerance * max(values[-1], 0.0)
+    positive = int((values > threshold).sum())
+    return positive > 0 and values[0] >= -threshold and len(values) - positive == motions
 
 
-def _affine_motions(X: np.ndarray, free: np.ndarray) -> int:
-    """Return how many independent affine motions of the nodes leave the held directions in place."""
-    n, d = X.shape
+def _affine_coordinates(X: np.ndarray) -> np.ndarray:
+    """Return an orthonormal basis (n, r) of the affine functions of the node positions."""
     Y = X - X.mean(axis=0)
-    spanned = np.concatenate((np.ones((n, 1)), Y / (np.abs(Y).max() or 1.0)), axis=1)
+    spanned = np.concatenate((np.ones((len(X), 1)), Y / (np.abs(Y).max() or 1.0)), axis=1)
     left, values, _ = np.linalg.svd(spanned, full_matrices=False)
-    affine = np.kron(left[:, values > 1e-9 * values[0]], np.eye(d))
-    held = affine[~free]
-    return affine.shape[1] - (int(np.linalg.matrix_rank(held, tol=1e-9)) if len(held) else 0)
+    return left[:, values > 1e-9 * values[0]]

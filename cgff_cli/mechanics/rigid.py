@@ -13,12 +13,12 @@ def rigid_motions(X: np.ndarray, free: np.ndarray) -> np.ndarray:
     body has r = 3, a spatial one 6; one whose nodes lie on a line has one rotation less.
     """
     motions = _orthonormal(_all_motions(X))
+    if free.all():
+        return motions
     held = motions[~free.reshape(-1)]
-    if len(held):
-        _, values, rows = np.linalg.svd(held, full_matrices=True)
-        rank = int((values > FLAT).sum())
-        motions = _orthonormal(motions @ rows[rank:].T)
-    return motions[free.reshape(-1)]
+    _, values, rows = np.linalg.svd(held, full_matrices=True)
+    rank = int((values > FLAT).sum())
+    return _orthonormal(motions @ rows[rank:].T)[free.reshape(-1)]
 
 
 def _all_motions(X: np.ndarray) -> np.ndarray:

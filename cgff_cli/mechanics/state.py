@@ -1,11 +1,18 @@
 """A structure at one shape: the columns of the mechanics, each computed once."""
 
+from math import sqrt
+
 import numpy as np
 
 from cgff_cli.mechanics import elements, tangent
 from cgff_cli.mechanics.connectivity import Connectivity
 from cgff_cli.mechanics.equilibrium import residual
 from cgff_cli.structure import Structure
+
+
+def norm(values: np.ndarray) -> float:
+    """Return the Euclidean (for a matrix, Frobenius) norm of an array."""
+    return sqrt(np.vdot(values, values))
 
 
 class Mechanics:
@@ -32,8 +39,8 @@ class Mechanics:
 class State:
     """Columns at positions X (n, d).
 
-    V (b, d) element vectors; l, stretch, e, t, q (b,) lengths, l - l0, extensions, forces, densities; eta (n, d)
-    out-of-balance forces, eq. (9), supports' reactions included; free_eta without them.
+    V (b, d) element vectors; l, stretch, e, t, q (b,) lengths, l - l0, extensions, forces, force densities;
+    eta (n, d) out-of-balance forces, eq. (9), supports' reactions included; free_eta without them.
     """
 
     def __init__(self, mechanics: Mechanics, X: np.ndarray):

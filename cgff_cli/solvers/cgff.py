@@ -9,12 +9,11 @@ search, stopping test, restarts.
 """
 
 from dataclasses import replace
-from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
 
-from cgff_cli.mechanics.state import Mechanics, State
+from cgff_cli.mechanics.state import Mechanics, State, norm
 from cgff_cli.options import SolveOptions
 from cgff_cli.solvers.curvature import farthest_fall, separated
 from cgff_cli.solvers.directions import RULES
@@ -108,7 +107,7 @@ class _Run:
             d, cg_beta, restarted = self._direction()
             alpha = self._step(d)
             if alpha > 0.0:
-                return _Move(alpha * _norm(d), alpha, cg_beta, restarted)
+                return _Move(alpha * norm(d), alpha, cg_beta, restarted)
             self.preconditioner.stiffen()
             self.last = None
         return None
@@ -155,7 +154,7 @@ class _Run:
             alpha = step.length
             if alpha > 0.0:
                 there, g = self._at(self.state.X + alpha * d)
-        shrinkage = _norm(g) / _norm(self.g)
+        shrinkage = norm(g) / norm(self.g)
         if alpha == 0.0 and shrinkage < 1.0:
             (there, g), alpha = full, 1.0
         if alpha > 0.0:
@@ -199,7 +198,7 @@ class _Run:
             iteration,
             self.objective.value(self.state) * unit,
             balance.residual * frame.force,
-            _norm(self.g) * slope_unit,
+            norm(self.g) * slope_unit,
             move.step_norm * frame.length,
             move.alpha,
             move.cg_beta,
@@ -223,10 +222,6 @@ class _Move(NamedTuple):
     alpha: float
     cg_beta: float
     restarted: bool
-
-
-def _norm(vectors: np.ndarray) -> float:
-    return sqrt(np.vdot(vectors, vectors))
 
 
 def _parabola_step(line: Line, slope: float) -> float:

@@ -1,8 +1,10 @@
 """Ways out of balance that is no minimum: starts that coincide, and directions of negative stiffness."""
 
+from math import sqrt
+
 import numpy as np
 
-from cgff_cli.mechanics.state import State
+from cgff_cli.mechanics.state import State, norm
 from cgff_cli.solvers.objectives import Line
 from cgff_cli.structure import Structure
 
@@ -35,15 +37,31 @@ def separated(structure: Structure, seed: int) -> tuple[np.ndarray, str | None]:
     )
 
 
+def doubt(K: np.ndarray, state: State) -> float:
+    """Return the size below which an eigenvalue of K has no sign.
+
+    Rounding blurs it, and the residual turns the zero stiffness of a rigid rotation into one of its size.
+    The structure is in units of its own size, so that forces and stiffnesses compare.
+    """
+    return 1e-14 * sqrt(len(K)) * norm(K) + 4.0 * norm(state.free_eta)
+
+
 def steepest_fall(state: State) -> np.ndarray | None:
     """Return the unit (n, d) direction of most negative stiffness, or None if there is none.
 
-    Negative means beyond what rounding and the remaining residual explain: the latter turns the zero
-    stiffness of a rigid rotation into one of its own size. Dense; for small structures.
+    Negative means beyond doubt. Dense; for small structures.
     """
     K = state.dense_tangent()
+    unsure = doubt(K, state)
+    diagonal = K.reshape(-1)[:: len(K) + 1]
+    diagonal += unsure
+    try:
+        np.linalg.cholesky(K)
+    except np.linalg.LinAlgError:
+        diagonal -= unsure
+    else:
+        return None
     values, vectors = np.linalg.eigh(K)
-    unsure = 1e-14 * len(K) * float(np.abs(values).max()) + 4.0 * float(np.linalg.norm(state.free_eta))
     if values[0] >= -unsure:
         return None
     direction = np.zeros(state.X.size)

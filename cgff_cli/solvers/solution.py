@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cgff_cli.mechanics.state import State
+from cgff_cli.mechanics.state import State, norm
 from cgff_cli.solvers.stopping import Gauge, Verdict, sentence
 
 Observer = Callable[[dict[str, Any]], None]
@@ -96,15 +96,16 @@ def concluded(
     gauge = Gauge(state.mechanics)
     columns = history.columns()
     balance = gauge.measure(state)
+    floor = balance.floor or gauge.rounding_floor(state)
     return Solution(
         state=state,
         centre=centre,
         verdict=verdict,
         message=sentence(verdict, balance, tolerance),
         residual_max=balance.residual,
-        residual_norm=float(np.linalg.norm(state.free_eta)),
+        residual_norm=norm(state.free_eta),
         reference=balance.reference,
-        floor=gauge.rounding_floor(state),
+        floor=floor,
         iterations=len(history.rows) - 1,
         evaluations=evaluations,
         factorizations=factorizations,
