@@ -3,6 +3,7 @@
 import csv
 import io
 from collections.abc import Iterator
+from contextlib import suppress
 from functools import cached_property
 
 from cgff_cli.errors import Problem
@@ -28,7 +29,7 @@ class Table:
             self.header = [cell.strip() for cell in next((row for row in reader if not _blank(row)), [])]
             self.rows = list(reader)
         except csv.Error as error:
-            self._broken.append(Problem(path, max(1, reader.line_num), 1, f"not valid CSV: {error}"))
+            self._broken.append(Problem(path, self._broken_line(), 1, f"not valid CSV: {error}"))
 
         if set(map(len, self.rows)) != {len(self.header)}:
             self.rows = [row for row in self.rows if not _blank(row)]
@@ -62,6 +63,15 @@ class Table:
         last_break = text.rfind("\n", 0, offset)
         return line + text.count("\n", 0, offset), offset - last_break
 
+    def _broken_line(self) -> int:
+        """Return where the row starts that csv cannot read; csv itself tells where it gave up."""
+        line = 1
+        reader = csv.reader(self._lines, strict=True)
+        with suppress(csv.Error):
+            for _ in reader:
+                line = reader.line_num + 1
+        return line
+
     @cached_property
     def _lines(self) -> list[str]:
         return list(io.StringIO(self._text, newline=""))
@@ -69,7 +79,7 @@ class Table:
     @cached_property
     def _extents(self) -> list[Mark]:
         """First line and number of lines of the header and of every row that is not blank."""
-        reader = csv.reader(iter(self._lines))
+        reader = csv.reader(self._lines)
         extents, before = [], 0
         for row in reader:
             if not _blank(row):

@@ -23,8 +23,8 @@ def read_elements(
     findings: Findings, value: object, nodes: Nodes | None, law: str | None
 ) -> list[Group] | None:
     """Return the groups of a mapping; None where any of them is wrong."""
-    of = "group names to groups, or the name of a .csv file"
-    values = fields.mapping(findings, ("elements",), value, of)
+    content = "of group names to groups, or the name of a .csv file"
+    values = fields.mapping(findings, ("elements",), value, content)
     if values is None:
         return None
     if not values:
@@ -34,13 +34,13 @@ def read_elements(
         fields.name(findings, ("elements", key), key, at_key=True)
         groups.append(_group(findings, ("elements", key), group, nodes, law))
     good = [group for group in groups if group is not None]
-    return good if len(good) == len(groups) else None
+    return good if groups and len(good) == len(groups) else None
 
 
 def _group(
     findings: Findings, where: Where, value: object, nodes: Nodes | None, law: str | None
 ) -> Group | None:
-    values = fields.mapping(findings, where, value, ", ".join(GROUP_KEYS))
+    values = fields.mapping(findings, where, value, f"with the keys {', '.join(GROUP_KEYS)}")
     if values is None:
         return None
     fields.check_keys(findings, where, values, GROUP_KEYS)

@@ -23,10 +23,8 @@ NAME_LENGTH = 256
 
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _NUMBER_CHARACTERS = frozenset("0123456789+-.eE")
-_NOT_FINITE = re.compile(r"[+-]?\.?(?:nan|inf|infinity)", re.IGNORECASE)
-_NOT_IN_NAMES = re.compile(
-    "[^\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]"
-)
+_NOT_FINITE = ("nan", "inf", "infinity")
+_NOT_IN_NAMES = "[^\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]"
 
 
 def is_absent(value: object) -> bool:
@@ -48,15 +46,15 @@ def found(value: object) -> str:
         return "a mapping" if value else "an empty mapping"
     if isinstance(value, float) or (isinstance(value, int) and abs(value) < 10**30):
         return str(value)
-    return "a huge number" if isinstance(value, int) else f"a {type(value).__name__}"
+    return "a huge number" if isinstance(value, int) else f"a value of type {type(value).__name__}"
 
 
 def number_text_fault(text: str) -> str | None:
     """Return why a text is no number, or None where it is one."""
     if _NUMBER.fullmatch(text):
         return None
-    if _NOT_FINITE.fullmatch(text):
-        return f"must be a finite number, got {text}"
+    if text.lower().lstrip("+-.") in _NOT_FINITE:
+        return f"must be a finite number, got {found(Plain(text))}"
     return f"must be a number such as 2.98 or 1e-8, got {found(Plain(text))}"
 
 
@@ -65,9 +63,9 @@ def size_fault(number: float, lower: str, text: str) -> str | None:
     if (lower == "> 0" and number <= 0.0) or (lower and number < 0.0):
         return f"must be {lower}, got {text}"
     if abs(number) > HUGE:
-        return f"must not exceed {HUGE:g} in size, got {text}"
+        return f"must not exceed 1e150 in size, got {text}"
     if lower and 0.0 < number < TINY:
-        return f"must be at least {TINY:g}, got {text}"
+        return f"must be at least 1e-150, got {text}"
     return None
 
 
@@ -144,11 +142,13 @@ def name_fault(value: object) -> str | None:
     """Return why a value cannot be a name, or None where it can."""
     if isinstance(value, int) and not isinstance(value, bool):
         return None
-    if not isinstance(value, str) or value == "":
-        return f"must be a name, got {found(value) if value != '' else 'an empty text'}"
+    if not isinstance(value, str):
+        return f"must be a name, got {found(value)}"
+    if not value:
+        return "a name must not be empty"
     if len(value) > NAME_LENGTH:
         return f"a name has at most {NAME_LENGTH} characters, got {len(value)}"
-    bad = _NOT_IN_NAMES.search(value)
+    bad = re.search(_NOT_IN_NAMES, value)
     return f"a name may not contain the character U+{ord(bad.group()):04X}" if bad else None
 
 
@@ -163,11 +163,11 @@ def name(findings: Findings, where: Where, value: object, at_key: bool = False) 
     return str(value)
 
 
-def mapping(findings: Findings, where: Where, value: object, of: str) -> dict[str, Any] | None:
-    """Return a mapping; `of` says in the message what it maps."""
+def mapping(findings: Findings, where: Where, value: object, content: str) -> dict[str, Any] | None:
+    """Return a mapping; `content` says in the message what it holds."""
     if isinstance(value, dict):
         return value
-    findings.add(where, f"must be a mapping of {of}, got {found(value)}")
+    findings.add(where, f"must be a mapping {content}, got {found(value)}")
     return None
 
 
@@ -194,7 +194,7 @@ def one_of(
 def option_value(value: object) -> object:
     """Return a number where the text of an option is one, else the value as it is."""
     if isinstance(value, Plain) and _NUMBER.fullmatch(value):
-        return int(value) if value.isdigit() and len(value) < 16 else float(value)
+        return int(value) if value.lstrip("+-").isdigit() and len(value) < 16 else float(value)
     if isinstance(value, int) and abs(value) > 2**63:
         return _as_double(value)
     return str(value)[:60] if isinstance(value, str) else value

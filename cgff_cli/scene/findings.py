@@ -53,12 +53,16 @@ class Findings:
         """Whether nothing was found."""
         return not self._items and all(file.sound for file in self.other_files)
 
-    def problems(self, path: str, place: Callable[[Where, bool], Mark]) -> list[Problem]:
-        """Return the problems of every file, those of the scene placed by `place`."""
-        problems = [Problem(path, *place(where, at_key), message) for where, message, at_key in self._items]
-        for file in self.other_files:
-            problems += file.problems()
-        return problems
+    def problems(
+        self, path: str, place: Callable[[Where, bool], Mark], faults: Iterable[tuple[Mark, str]] = ()
+    ) -> list[Problem]:
+        """Return the problems of every file, cut to a readable number each.
+
+        Those of the scene itself are placed by `place`; `faults` of its form have their places.
+        """
+        here = [Problem(path, *at, message) for at, message in faults]
+        here += [Problem(path, *place(where, at_key), text) for where, text, at_key in self._items]
+        return listed(here) + [problem for file in self.other_files for problem in file.problems()]
 
     def hint(self, name: str, candidates: Collection[str]) -> str:
         """Return "; did you mean 'x'?", or nothing where no candidate is near.

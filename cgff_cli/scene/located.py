@@ -17,7 +17,7 @@ DEPTH = 40
 ALIASED = 100_000
 """How many values all aliases of a file together may stand for."""
 
-_NOT_TEXT = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_NOT_TEXT = "[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 _EMPTY = "the file is empty; a scene needs at least law, nodes and elements"
 
 
@@ -91,7 +91,7 @@ def yaml_events(text: str) -> Iterator[Any]:
     except yaml.MarkedYAMLError as error:
         raise FormError(_yaml_mark(error), _yaml_message(error, text)) from None
     except (yaml.YAMLError, UnicodeEncodeError):
-        found = _NOT_TEXT.search(text)
+        found = re.search(_NOT_TEXT, text)
         if found is None:
             raise
         message = f"character U+{ord(found.group()):04X} is not allowed in a scene file"

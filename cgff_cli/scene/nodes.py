@@ -53,18 +53,19 @@ class Nodes:
 
 def read_nodes(findings: Findings, value: object) -> Nodes | None:
     """Return the nodes of a mapping name -> 2 or 3 coordinates."""
-    of = "node names to coordinates, or the name of a .csv file"
-    values = fields.mapping(findings, ("nodes",), value, of)
+    content = "of node names to coordinates, or the name of a .csv file"
+    values = fields.mapping(findings, ("nodes",), value, content)
     if values is None:
         return None
     if not values:
         findings.add(("nodes",), "must hold at least two nodes, got none", at_key=True)
         return None
     keys = list(values)
-    for key in keys:
-        fields.name(findings, ("nodes", key), key, at_key=True)
+    named = [fields.name(findings, ("nodes", key), key, at_key=True) for key in keys]
     dimension = _dimension(values)
     coordinates = vectors(findings, ("nodes",), values, dimension)
+    if None in named:
+        coordinates = None
     rows = {str(key): row for row, key in enumerate(keys)}
     return Nodes(rows, coordinates, dimension, lambda row, text: findings.add_key(("nodes", keys[row]), text))
 

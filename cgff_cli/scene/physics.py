@@ -116,7 +116,7 @@ def _parallel(names: tuple[str, ...], groups: Sequence[Group], pairs: np.ndarray
 
 
 def _parts(names: tuple[str, ...], pairs: np.ndarray, labels: np.ndarray) -> str:
-    joined = np.unique(pairs)
+    joined = np.flatnonzero(np.bincount(pairs.ravel(), minlength=len(names)))
     sizes = np.bincount(labels[joined], minlength=int(labels.max()) + 1)
     parts = np.flatnonzero(sizes)
     if len(parts) == 1:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from cgff_cli.errors import Problem, SceneError
-from cgff_cli.scene.findings import Findings, listed
+from cgff_cli.scene.findings import Findings
 from cgff_cli.scene.located import Document, yaml_events
 from cgff_cli.scene.scene import Scene
 from cgff_cli.scene.schema import read_scene
@@ -70,7 +70,7 @@ def from_dict(mapping: Mapping[str, Any]) -> Scene:
     findings = Findings()
     scene = read_scene(findings, plain_values(findings, mapping), "<python>", Path())
     if scene is None or not findings.none:
-        raise SceneError(_cut(findings.problems("<python>", lambda where, at_key: (1, 1))))
+        raise SceneError(findings.problems("<python>", lambda where, at_key: (1, 1)))
     return scene
 
 
@@ -101,11 +101,4 @@ def _located(document: Document, path: str, base: Path) -> Scene:
     scene = read_scene(findings, document.value, path, base) if document.whole else None
     if scene is not None and findings.none and not document.faults:
         return scene
-    problems = [Problem(path, *at, message) for at, message in document.faults]
-    raise SceneError(_cut(problems + findings.problems(path, document.place)))
-
-
-def _cut(problems: list[Problem]) -> list[Problem]:
-    """Return the problems of each file, cut to a readable number."""
-    paths = dict.fromkeys(problem.path for problem in problems)
-    return [problem for path in paths for problem in listed([p for p in problems if p.path == path])]
+    raise SceneError(findings.problems(path, document.place, document.faults))

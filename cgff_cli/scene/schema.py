@@ -21,7 +21,7 @@ def read_scene(findings: Findings, value: object, path: str, base: Path) -> Scen
 
     `base` is the directory that names of CSV files are relative to.
     """
-    values = fields.mapping(findings, (), value, "law, nodes and elements")
+    values = fields.mapping(findings, (), value, "with law, nodes and elements")
     if values is None:
         return None
     fields.check_keys(findings, (), values, SCENE_KEYS)
@@ -32,7 +32,7 @@ def read_scene(findings: Findings, value: object, path: str, base: Path) -> Scen
     loads = _loads(findings, values.get("loads"), points)
     solver = _solver(findings, values.get("solver"))
     name = _name(findings, values.get("name"), path)
-    if points is not None and groups is not None:
+    if points is not None and points.coordinates is not None and groups is not None:
         _check_use(points, groups, supports, loads)
     if law is None or points is None or points.coordinates is None or groups is None or not findings.none:
         return None
@@ -90,9 +90,9 @@ def _is_table(value: object) -> bool:
     return isinstance(value, str) and os.path.splitext(value)[1].lower() == ".csv"
 
 
-def _optional(findings: Findings, where: Where, value: object, of: str) -> dict[str, Any]:
+def _optional(findings: Findings, where: Where, value: object, content: str) -> dict[str, Any]:
     """Return a mapping that may be left out."""
-    values = None if is_absent(value) else fields.mapping(findings, where, value, of)
+    values = None if is_absent(value) else fields.mapping(findings, where, value, content)
     return values or {}
 
 
@@ -100,7 +100,7 @@ def _supports(findings: Findings, value: object, points: Nodes | None) -> dict[i
     """Return node row -> axes held, in the order x, y, z."""
     axes = AXES[: points.dimension] if points and points.dimension else AXES
     supports = {}
-    values = _optional(findings, ("supports",), value, "node names to axes such as xyz or z")
+    values = _optional(findings, ("supports",), value, "of node names to axes such as xyz or z")
     for key, held in values.items():
         row = points.row(findings, ("supports", key), key, at_key=True) if points else None
         if not isinstance(held, str) or not held or not set(held) <= set(axes) or len(set(held)) < len(held):
@@ -114,7 +114,7 @@ def _supports(findings: Findings, value: object, points: Nodes | None) -> dict[i
 
 def _loads(findings: Findings, value: object, points: Nodes | None) -> dict[int, tuple[float, ...]]:
     """Return node row -> force."""
-    values = _optional(findings, ("loads",), value, "node names to forces")
+    values = _optional(findings, ("loads",), value, "of node names to forces")
     if not values:
         return {}
     forces = nodes.vectors(findings, ("loads",), values, points.dimension if points else None)
@@ -130,7 +130,9 @@ def _loads(findings: Findings, value: object, points: Nodes | None) -> dict[int,
 def _solver(findings: Findings, value: object) -> dict[str, object]:
     """Return the solve options a scene asks for, each checked like a command-line flag."""
     values = (
-        None if is_absent(value) else fields.mapping(findings, ("solver",), value, "solve options to values")
+        None
+        if is_absent(value)
+        else fields.mapping(findings, ("solver",), value, "of solve options to values")
     )
     options: dict[str, object] = {}
     for key, setting in (values or {}).items():

@@ -8,8 +8,9 @@ import numpy as np
 
 from cgff_cli.errors import Problem, SceneError
 from cgff_cli.scene.csv_text import Table
-from cgff_cli.scene.fields import name_fault, number_text_fault, size_fault, sizes_fit, text_numbers
+from cgff_cli.scene.fields import found, name_fault, number_text_fault, size_fault, sizes_fit, text_numbers
 from cgff_cli.scene.findings import Findings, Where, nearest, quoted
+from cgff_cli.scene.located import Plain
 from cgff_cli.scene.nodes import Nodes
 from cgff_cli.scene.scene import KINDS, Group
 from cgff_cli.scene.text import decoded, reason
@@ -66,7 +67,7 @@ class _Columns:
         if result is not None and sizes_fit(result, lower):
             return result
         for row, text in enumerate(texts):
-            fault = number_text_fault(text) or size_fault(float(text), lower, text)
+            fault = number_text_fault(text) or size_fault(float(text), lower, found(Plain(text)))
             if fault:
                 self.add(row, column, f"{column}: {fault}")
         return None
@@ -107,23 +108,18 @@ def read_nodes(table: Table) -> Nodes | None:
     if not columns.complete:
         return None
     names = columns.names("name")
-    rows = {name: row for row, name in enumerate(names)}
-    if len(rows) < len(names):
-        _report_repeated(columns, names)
+    first: dict[str, int] = {}
+    for row, name in enumerate(names):
+        if first.setdefault(name, row) != row and name:
+            line = table.place(first[name], 0)[0]
+            columns.add(row, "name", f"node {quoted(name)} is defined twice; first on line {line}")
     axes = NODE_COLUMNS[1 : len(table.header)]
     read = [columns.numbers(axis) for axis in axes]
     good = [column for column in read if column is not None]
     coordinates = np.column_stack(good) if table.sound and len(good) == len(axes) else None
-    return Nodes(rows, coordinates, len(axes), lambda row, message: columns.add(row, "name", message))
-
-
-def _report_repeated(columns: _Columns, names: list[str]) -> None:
-    first: dict[str, int] = {}
-    for row, name in enumerate(names):
-        before = first.setdefault(name, row)
-        if before != row and name:
-            line = columns.table.place(before, 0)[0]
-            columns.add(row, "name", f"node {quoted(name)} is defined twice; first on line {line}")
+    table_rows = list(first.values())
+    rows = {name: row for row, name in enumerate(first)}
+    return Nodes(rows, coordinates, len(axes), lambda row, text: columns.add(table_rows[row], "name", text))
 
 
 def read_elements(
@@ -198,9 +194,9 @@ def _check_header(table: Table, required: Collection[str], allowed: Collection[s
         seen.add(column)
     missing = [column for column in required if column not in seen]
     if missing:
-        table.add(
-            -1, 0, f"missing column {', '.join(missing)}; the first line names the columns, split by commas"
-        )
+        first = table.header[0] if len(table.header) == 1 else ""
+        hint = next((f"; cells are split by commas, not by {mark!r}" for mark in ";\t|" if mark in first), "")
+        table.add(-1, 0, f"the first line must name the columns, missing: {', '.join(missing)}{hint}")
     elif not table.rows:
         table.add(-1, 0, "the table has no rows")
     return table.sound

@@ -13,7 +13,7 @@ def decoded(data: bytes, path: str) -> str:
     except UnicodeDecodeError as error:
         before = data[: error.start].decode("utf-8")
         line, column = before.count("\n") + 1, len(before) - before.rfind("\n")
-        message = f"not UTF-8 text: byte 0x{data[error.start]:02x}; a scene file must be saved as UTF-8"
+        message = f"not UTF-8 text: byte 0x{data[error.start]:02x}; save the file as UTF-8"
         raise SceneError([Problem(path, line, column, message)]) from None
 
 
