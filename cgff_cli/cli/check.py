@@ -9,6 +9,7 @@ from cgff_cli.cli.common import (
     SectionCommand,
     SectionOption,
     report_error,
+    title,
     warn,
     word_options,
     worst,
@@ -65,14 +66,14 @@ def _checked(path: str) -> tuple[dict[str, Any], ExitCode]:
         found = [{"path": p.path, "line": p.line, "column": p.column, "message": p.message} for p in problems]
         return _record(path, None, found), code
     for warning in scene.warnings:
-        warn(f"cgff: {path}: warning: {warning}")
+        warn(f"cgff: {title(path)}: warning: {warning}")
     return _record(path, scene, []), ExitCode.OK
 
 
 def _record(path: str, scene: "Scene | None", problems: list[dict[str, Any]]) -> dict[str, Any]:
     """Return what --format json prints; the counts are null for a scene that cannot be used."""
     return {
-        "path": path,
+        "path": title(path),
         "ok": scene is not None,
         "problems": problems,
         "warnings": list(scene.warnings) if scene else [],

@@ -103,6 +103,11 @@ def warn(text: str) -> None:
         say(text)
 
 
+def title(scene: str) -> str:
+    """Return what a scene is called in words: its path, or <stdin>."""
+    return "<stdin>" if scene == "-" else scene
+
+
 def report_error(error: Exception) -> ExitCode:
     """Put an error into words on standard error and return its exit code."""
     if wanted("traceback"):

@@ -1,12 +1,21 @@
 """`cgff solve`: form-find each scene, write what was found, tell how it ended."""
 
-import os
 import sys
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from cgff_cli.cli.common import ExitCode, SectionCommand, report_error, say, wanted, warn, word_options, worst
+from cgff_cli.cli.common import (
+    ExitCode,
+    SectionCommand,
+    report_error,
+    say,
+    title,
+    wanted,
+    warn,
+    word_options,
+    worst,
+)
 from cgff_cli.cli.options import given_solve_options, output_options, scenes_argument, solve_options
 from cgff_cli.cli.outputs import Flags, Outputs
 
@@ -67,25 +76,21 @@ def _found(scene: str, options: dict[str, Any]) -> "Result":
         return pipeline.solve(scene, **options)
     from cgff_cli.report.progress import Progress
 
-    with Progress(_title(scene)) as progress:
+    with Progress(title(scene)) as progress:
         return pipeline.solve(scene, observer=progress, **options)
 
 
 def _tell(scene: str, result: "Result") -> ExitCode:
     """Say on standard error what a reader of the exit code alone would miss."""
-    title = _title(scene)
+    name = title(scene)
     for warning in result.warnings:
-        warn(f"cgff: {title}: warning: {warning}")
+        warn(f"cgff: {name}: warning: {warning}")
     if not result.converged or wanted("verbose"):
-        say(f"cgff: {title}: {result.verdict}: {result.message}")
+        say(f"cgff: {name}: {result.verdict}: {result.message}")
     if result.verdict == "interrupted":
         return ExitCode.INTERRUPTED
     if not result.converged:
         return ExitCode.NOT_CONVERGED
     if result.analysis.get("stable") is False:
-        warn(f"cgff: {title}: unstable: the forces balance, but the least disturbance changes the shape")
+        warn(f"cgff: {name}: unstable: the forces balance, but the least disturbance changes the shape")
     return ExitCode.OK
-
-
-def _title(scene: str) -> str:
-    return "<stdin>" if scene == "-" else os.path.normpath(scene)

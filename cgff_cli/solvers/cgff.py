@@ -22,7 +22,7 @@ from cgff_cli.solvers.objectives import OBJECTIVES, Line
 from cgff_cli.solvers.preconditioners import choose
 from cgff_cli.solvers.scaling import Frame, centred_and_scaled
 from cgff_cli.solvers.solution import History, Observer, Solution, concluded
-from cgff_cli.solvers.stopping import Balance, Gauge, Verdict, Watch
+from cgff_cli.solvers.stopping import EPS, Balance, Gauge, Verdict, Watch
 from cgff_cli.structure import Structure
 
 LOST_CONJUGACY = 0.1
@@ -130,7 +130,7 @@ class _Run:
         return d, cg_beta, restarted
 
     def _step(self, d: np.ndarray) -> float:
-        """Move along d by a strong Wolfe step and return its length, 0 for no move.
+        """Move along d by a strong Wolfe step and return its length, 0 for no move beyond rounding.
 
         The full step is tried at its own state, which is kept if it serves; only then is the line itself
         searched. Where changes of the objective are rounding error a full step that shrinks the gradient
@@ -157,6 +157,8 @@ class _Run:
         shrinkage = norm(g) / norm(self.g)
         if alpha == 0.0 and shrinkage < 1.0:
             (there, g), alpha = full, 1.0
+        if alpha * norm(d) <= EPS * norm(self.state.X):
+            return 0.0
         if alpha > 0.0:
             self.preconditioner.adapt(alpha, shrinkage)
             self.state, self.g = there, g

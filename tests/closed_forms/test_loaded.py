@@ -88,6 +88,23 @@ def test_a_hanger_sags_to_the_root_of_its_equation(rest_length, law):
 
 
 @pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("start", [-1.0, -6.0], ids=["slack from the start", "taut at the start"])
+def test_a_stay_longer_than_its_span_hangs_slack_and_changes_nothing(start, law):
+    # The stay, from above to the loaded node, is taut only where the start is far too low.
+    hanger = v_shape("cable", law, 3.7, load=-50.0, start=start)
+    hanger["nodes"]["top"] = [0.0, 4.0]
+    hanger["supports"]["top"] = "xy"
+    stay = {"kind": "cable", "EA": 1000.0, "rest_length": 7.0, "pairs": [["top", "node"]]}
+    result = solve({**hanger, "elements": {**hanger["elements"], "stay": stay}})
+    sag = v_height(law, 1000.0, 3.7, 3.0, 50.0, guess=2.0)
+    assert result.converged
+    assert result.nodes["node"] == pytest.approx([0.0, -sag], abs=1e-9)
+    assert result.slack.tolist() == [False, False, True]
+    assert result.forces[2] == 0.0
+    assert result.reactions["top"] == pytest.approx([0.0, 0.0], abs=1e-12)
+
+
+@pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("load", [-50.0, -200.0])
 def test_two_leaning_struts_come_down_to_the_root_of_their_equation(load, law):
     result = solve(v_shape("strut", law, 5.0, load=load, start=4.5))
