@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from cgff_cli.scene.read import from_dict
 
 import cgff_cli
+from cgff_cli.scene.read import from_dict
 from tests.closed_forms.references import (
     LAWS,
     Reference,
