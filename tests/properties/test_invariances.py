@@ -18,7 +18,7 @@ HELD = ["bracket", "cable-net"]
 Scene = Mapping[str, Any]
 
 seeds = st.integers(0, 2**32 - 1)
-few = settings(max_examples=8, deadline=None)
+few = settings(max_examples=8, deadline=None, derandomize=True)
 
 
 def read(name: str) -> Scene:
