@@ -13,20 +13,30 @@ def stability(state: State, rigid: np.ndarray) -> dict[str, Any]:
 
     stability: "stable", "unstable", or "neutral" where the softest deformation has no stiffness beyond what
     rounding and the remaining residual explain; smallest_stiffness: that stiffness, force per length.
-    rigid: (m, r) orthonormal rigid motions of the m free directions, as from `rigid_motions`.
+    rigid: (m, r) orthonormal rigid motions of the m free directions, as from `rigid_motions`. Those that
+    turn the loads are not left out: a pendulum is stable hanging, and unstable upright.
     """
     K = state.dense_tangent()
+    stiffest = norm(K)
+    size = float(np.abs(state.X).max()) or 1.0
+    unsure = 1e-14 * np.sqrt(len(K)) * stiffest + 4.0 * norm(state.free_eta) / size
+    if state.mechanics.has_loads:
+        rigid = _idle(K, rigid, unsure)
     if len(K) == rigid.shape[1]:
         return {"stable": True, "stability": "stable", "smallest_stiffness": None}
-    stiffest = norm(K)
     K -= rigid @ (rigid.T @ K)
     K -= (K @ rigid) @ rigid.T
     K += stiffest * (rigid @ rigid.T)
     softest = float(np.linalg.eigvalsh(K)[0])
-    size = float(np.abs(state.X).max()) or 1.0
-    unsure = 1e-14 * np.sqrt(len(K)) * stiffest + 4.0 * norm(state.free_eta) / size
     kind = "stable" if softest > unsure else "unstable" if softest < -unsure else "neutral"
     return {"stable": kind == "stable", "stability": kind, "smallest_stiffness": softest}
+
+
+def _idle(K: np.ndarray, rigid: np.ndarray, unsure: float) -> np.ndarray:
+    """Return a basis of the rigid motions that K does not resist."""
+    _, values, rows = np.linalg.svd(K @ rigid)
+    resisted = int((values > unsure).sum())
+    return rigid @ rows[resisted:].T
 
 
 def is_super_stable(state: State, tolerance: float) -> bool:
@@ -46,9 +56,9 @@ def is_super_stable(state: State, tolerance: float) -> bool:
         held = np.kron(affine, np.eye(d))[~free]
         motions = motions * d - int(np.linalg.matrix_rank(held, tol=1e-9))
     values = np.linalg.eigvalsh(D)
-    threshold = tolerance * max(values[-1], 0.0)
+    threshold = tolerance * max(values, default=0.0)
     positive = int((values > threshold).sum())
-    return positive > 0 and values[0] >= -threshold and len(values) - positive == motions
+    return positive > 0 and bool(values[0] >= -threshold) and len(values) - positive == motions
 
 
 def _affine_coordinates(X: np.ndarray) -> np.ndarray:

@@ -48,9 +48,9 @@ class Progress:
         from cgff_cli.report.terminal import clean, duration
 
         words = f"iteration {row['iteration']}  residual {row['residual_max']:.2e}"
-        return Text.assemble(
+        return Text.assemble(  # a long path comes last, where it is cut off without harm
+            (f"{words}  {duration(now - self.begun)}  ", "dim"),
             (clean(self.title), "bold"),
-            (f"  {words}  {duration(now - self.begun)}", "dim"),
             no_wrap=True,
             overflow="ellipsis",
         )

@@ -14,9 +14,10 @@ import numpy as np
 from cgff_cli.scene.findings import Findings, Where, quoted
 from cgff_cli.scene.located import Plain
 
-HUGE = 1e150
-TINY = 1e-150
-"""Sizes beyond which products of two quantities leave the range of doubles."""
+HUGE = 1e30
+TINY = 1e-30
+"""Limits of size. The squared gradient of eq. (10) under law `hooke` is a product of ten quantities of
+the scene, (EA / l0)^4 l^2 at least, and must stay inside the range of doubles, 1e308."""
 
 NAME_LENGTH = 256
 """Longest name; a YAML key may not be much longer."""
@@ -63,9 +64,9 @@ def size_fault(number: float, lower: str, text: str) -> str | None:
     if (lower == "> 0" and number <= 0.0) or (lower and number < 0.0):
         return f"must be {lower}, got {text}"
     if abs(number) > HUGE:
-        return f"must not exceed 1e150 in size, got {text}"
+        return f"must not exceed 1e30 in size, got {text}"
     if lower and 0.0 < number < TINY:
-        return f"must be at least 1e-150, got {text}"
+        return f"must be at least 1e-30, got {text}"
     return None
 
 

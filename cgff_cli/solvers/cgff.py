@@ -89,7 +89,7 @@ class _Run:
             self._record(iteration, balance, move)
             verdict = self.watch.judge(balance, iteration)
             if verdict is None and self._is_stationary():
-                return Verdict.STATIONARY
+                return Verdict.ROUNDING_FLOOR if balance.at_floor else Verdict.STATIONARY
             if verdict is None:
                 taken = self._descend()
                 verdict = Verdict.ROUNDING_FLOOR if balance.at_floor else Verdict.STEP_VANISHED

@@ -224,7 +224,7 @@ def test_python_values_are_refused_like_those_of_a_file():
         "<python>:1:1: nodes.a[2]: must be a finite number, got nan",
         "<python>:1:1: nodes.b[0]: must be a number, got True",
         "<python>:1:1: nodes.b[1]: must be a number, got nothing",
-        "<python>:1:1: nodes.b[2]: must not exceed 1e150 in size, got a huge number",
+        "<python>:1:1: nodes.b[2]: must not exceed 1e30 in size, got a huge number",
         "<python>:1:1: nodes.c[2]: must be a number, got a value of type object",
     ]
 

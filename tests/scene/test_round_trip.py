@@ -12,8 +12,8 @@ import cgff_cli
 from cgff_cli.scene.scene import Group, Scene
 from cgff_cli.scene.write import to_yaml
 
-SIZES = st.floats(min_value=1e-150, max_value=1e150)
-NUMBERS = st.floats(min_value=-1e150, max_value=1e150)
+SIZES = st.floats(min_value=1e-30, max_value=1e30)
+NUMBERS = st.floats(min_value=-1e30, max_value=1e30)
 TEXTS = st.text(
     st.characters(exclude_categories=["Cc", "Cs", "Zl", "Zp"], exclude_characters="\ufeff\ufffe\uffff"),
     min_size=1,
