@@ -1,0 +1,164 @@
+"""The command as a process: pipes, signals, terminals, and what it imports."""
+
+import json
+import os
+import pty
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.cli.conftest import STRUCTURES
+
+CGFF = [sys.executable, "-m", "cgff_cli"]
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(STRUCTURES.parent)}
+PRISM = str(STRUCTURES / "prism.yaml")
+
+
+def test_a_result_survives_a_pipe_byte_for_byte():
+    scene = Path(PRISM).read_bytes()
+    piped = subprocess.run(
+        [*CGFF, "solve", "-"], input=scene, capture_output=True, env=ENVIRONMENT, check=True
+    )
+    result = json.loads(piped.stdout)
+    assert result["converged"] is True
+    assert list(result["nodes"]) == ["n1", "n2", "n3", "n4", "n5", "n6"]
+    assert piped.stderr == b""
+
+
+def test_a_reader_that_leaves_early_causes_no_complaint(tmp_path: Path):
+    scene = _long_chain(tmp_path, 3000)
+    solving = subprocess.Popen(
+        [*CGFF, "solve", scene, "--max-iterations", "0"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env=ENVIRONMENT,
+    )
+    assert solving.stdout is not None
+    assert solving.stderr is not None
+    solving.stdout.read(10)
+    solving.stdout.close()
+    assert solving.stderr.read() == b""
+    assert solving.wait() == 141
+
+
+def test_a_full_disk_is_an_error_and_not_a_silent_success():
+    if not os.path.exists("/dev/full"):
+        pytest.skip("no /dev/full here")
+    with open("/dev/full", "w") as full:
+        ended = subprocess.run([*CGFF, "solve", PRISM], stdout=full, stderr=subprocess.PIPE, env=ENVIRONMENT)
+    assert ended.returncode == 1
+    assert ended.stderr == b"cgff: standard output: cannot be written: No space left on device\n"
+
+
+def test_ctrl_c_writes_the_last_state_and_starts_no_other_scene(tmp_path: Path):
+    arguments = [_long_chain(tmp_path, 200), PRISM, "--out-dir", str(tmp_path / "out"), *SLOWLY]
+    code, words = _interrupt_when_shown([*CGFF, "solve", *arguments], b"iteration")
+    assert code == 130
+    assert b"interrupted: " in words
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["chain.json"]
+    result = json.loads((tmp_path / "out" / "chain.json").read_text())
+    assert (result["verdict"], result["converged"]) == ("interrupted", False)
+    assert len(result["nodes"]) == 201
+
+
+@pytest.mark.parametrize(
+    ("arguments", "unwanted"),
+    [
+        (["--help"], {"numpy", "yaml", "rich", "scipy", "json"}),
+        (["solve", "--help"], {"numpy", "yaml", "rich", "scipy", "json"}),
+        (["solve", PRISM, "-o", "out.json"], {"scipy", "rich", "csv"}),
+        (["check", PRISM], {"scipy", "rich", "json"}),
+    ],
+)
+def test_only_what_is_needed_is_imported(tmp_path: Path, arguments: list[str], unwanted: set[str]):
+    program = (
+        "import sys\n"
+        "from cgff_cli.cli import main\n"
+        "main(sys.argv[1:], prog_name='cgff', standalone_mode=False)\n"
+        "print(*sys.modules, file=sys.stderr)\n"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", program, *arguments],
+        capture_output=True,
+        env=ENVIRONMENT,
+        cwd=tmp_path,
+        text=True,
+    )
+    loaded = set(ended.stderr.split())
+    assert "click" in loaded
+    assert loaded & unwanted == set()
+
+
+def test_a_terminal_gets_a_table_in_colour_unless_no_color_is_set():
+    assert b"\x1b[" in _on_terminal([*CGFF, "solve", PRISM], ENVIRONMENT)
+    plain = _on_terminal([*CGFF, "solve", PRISM], {**ENVIRONMENT, "NO_COLOR": "1"})
+    assert b"Triangular prism" in plain
+    assert b"\x1b[3" not in plain
+
+
+SLOWLY = ["--objective", "residual", "--preconditioner", "none", "--max-iterations", "1e15"]
+
+
+def _long_chain(folder: Path, count: int) -> str:
+    """Write a slack hanging chain, which plain gradients straighten slowly."""
+    path = folder / "chain.json"
+    scene = {
+        "law": "paper",
+        "nodes": {f"n{i}": [float(i), 0.0] for i in range(count + 1)},
+        "elements": {
+            "chain": {
+                "kind": "cable",
+                "EA": 1.0,
+                "rest_length": 0.9,
+                "pairs": [[f"n{i}", f"n{i + 1}"] for i in range(count)],
+            }
+        },
+        "supports": {"n0": "xy", f"n{count}": "xy"},
+        "loads": {f"n{i}": [0.0, -0.01] for i in range(1, count)},
+    }
+    path.write_text(json.dumps(scene))
+    return str(path)
+
+
+def _interrupt_when_shown(command: list[str], sign: bytes) -> tuple[int, bytes]:
+    """Run with a terminal for standard error, send Ctrl-C once it shows `sign`; return code and words."""
+    ours, theirs = pty.openpty()
+    solving = subprocess.Popen(
+        command, stderr=theirs, stdout=subprocess.DEVNULL, env=ENVIRONMENT, preexec_fn=_heed_ctrl_c
+    )
+    os.close(theirs)
+    shown = _read_until(ours, sign)
+    solving.send_signal(signal.SIGINT)
+    shown += _read_until(ours, None)
+    return solving.wait(timeout=60), shown
+
+
+def _heed_ctrl_c() -> None:
+    """Undo what a shell does to commands in the background, whose children ignore Ctrl-C."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def _on_terminal(command: list[str], environment: dict[str, str]) -> bytes:
+    ours, theirs = pty.openpty()
+    environment = {**environment, "TERM": "xterm-256color"}
+    solving = subprocess.Popen(command, stdout=theirs, stderr=theirs, env=environment)
+    os.close(theirs)
+    shown = _read_until(ours, None)
+    assert solving.wait(timeout=60) == 0
+    return shown
+
+
+def _read_until(terminal: int, sign: bytes | None) -> bytes:
+    shown = b""
+    while sign is None or sign not in shown:
+        try:
+            piece = os.read(terminal, 4096)
+        except OSError:  # the other end is closed
+            break
+        if not piece:
+            break
+        shown += piece
+    return shown
