@@ -1,6 +1,7 @@
 """Exit codes, and the words that go with them on standard error."""
 
 import json
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -57,7 +58,7 @@ def test_a_bad_scene_outweighs_one_that_did_not_converge(run: Run, bad: str):
 
 def test_the_worst_exit_code_wins():
     ranked = [ExitCode.OK, ExitCode.NOT_CONVERGED, ExitCode.SCENE, ExitCode.ERROR, ExitCode.INTERRUPTED]
-    for milder, graver in zip(ranked, ranked[1:], strict=False):
+    for milder, graver in pairwise(ranked):
         assert worst(milder, graver) is worst(graver, milder) is graver
 
 

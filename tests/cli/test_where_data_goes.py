@@ -29,7 +29,7 @@ def test_a_result_file_takes_its_format_from_its_suffix(run: Run):
     assert run("solve", "prism.yaml", "-o", "out.json").stdout == ""
     assert run("solve", "prism.yaml", "-o", "out.csv").stdout == ""
     nodes = json.loads(Path("out.json").read_text())["nodes"]
-    rows = list(csv.reader(Path("out.csv").open()))
+    rows = list(csv.reader(Path("out.csv").read_text().splitlines()))
     assert {name: [float(x) for x in position] for name, *position in rows[1:]} == nodes
 
 
@@ -60,7 +60,7 @@ def test_another_suffix_is_refused_with_those_allowed(run: Run, name: str):
 def test_history_and_elements_have_files_of_their_own(run: Run):
     ended = run("solve", "prism.yaml", "--history", "h.csv", "--elements", "e.json")
     result = json.loads(ended.stdout)
-    history = list(csv.DictReader(Path("h.csv").open()))
+    history = list(csv.DictReader(Path("h.csv").read_text().splitlines()))
     assert [float(row["objective"]) for row in history] == result["history"]["objective"]
     assert json.loads(Path("e.json").read_text()) == result["elements"]
 
@@ -68,7 +68,7 @@ def test_history_and_elements_have_files_of_their_own(run: Run):
 def test_history_and_elements_also_the_other_way_round(run: Run):
     ended = run("solve", "prism.yaml", "--history", "h.json", "--elements", "e.csv")
     result = json.loads(ended.stdout)
-    elements = list(csv.DictReader(Path("e.csv").open()))
+    elements = list(csv.DictReader(Path("e.csv").read_text().splitlines()))
     assert json.loads(Path("h.json").read_text()) == result["history"]
     assert [float(row["force"]) for row in elements] == [element["force"] for element in result["elements"]]
 

@@ -1,0 +1,44 @@
+"""Results to write: one solved, and the same with other contents."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from cgff_cli import loads, solve
+from cgff_cli.report.result import Result
+
+TRIANGLE = """\
+name: triangle
+law: paper
+nodes: {a: [0, 0], "b, \\"c\\"": [1, 0], é: [0, 2]}
+elements:
+  cables: {kind: cable, EA: 10.0, rest_length: 0.9, pairs: [[a, "b, \\"c\\""], ["b, \\"c\\"", é]]}
+  struts: {kind: strut, EA: 20.0, rest_length: [1.1], pairs: [[é, a]]}
+supports: {a: xy, é: x}
+loads: {"b, \\"c\\"": [0.25, 0.125]}
+"""
+
+MakeResult = Callable[..., Result]
+
+
+@pytest.fixture(scope="session")
+def triangle() -> Result:
+    """Return a small solved scene whose names need quoting and whose supports carry something."""
+    return solve(loads(TRIANGLE))
+
+
+@pytest.fixture
+def altered(triangle: Result) -> MakeResult:
+    """Return the same result with other fields of its solution or another analysis."""
+
+    def make(analysis: dict[str, Any] | None = None, name: str = "triangle", **changes: Any) -> Result:
+        return replace(
+            triangle,
+            source=replace(triangle.source, name=name),
+            solution=replace(triangle.solution, **changes),
+            analysis=triangle.analysis if analysis is None else analysis,
+        )
+
+    return make
