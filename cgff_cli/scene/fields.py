@@ -16,8 +16,8 @@ from cgff_cli.scene.located import Plain
 
 HUGE = 1e30
 TINY = 1e-30
-"""Limits of size. The squared gradient of eq. (10) under law `hooke` is a product of ten quantities of
-the scene, (EA / l0)^4 l^2 at least, and must stay inside the range of doubles, 1e308."""
+"""Limits of size: under law `hooke` the squared gradient of eq. (10) goes like (EA / l0)^4 l^2, a product
+of ten quantities of the scene, and must stay inside the range of doubles, 1e308."""
 
 NAME_LENGTH = 256
 """Longest name; a YAML key may not be much longer."""

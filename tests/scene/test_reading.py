@@ -11,6 +11,7 @@ import pytest
 import yaml
 
 import cgff_cli
+from cgff_cli.scene.physics import component_labels
 from cgff_cli.scene.read import from_dict
 
 TRIANGLE = {
@@ -241,6 +242,7 @@ def test_a_byte_order_mark_and_windows_line_ends_do_not_matter(tmp_path, assert_
     path.write_bytes(b"\xef\xbb\xbf" + PRISM.replace("\n", "\r\n").encode())
     assert_same(cgff_cli.load(path), cgff_cli.loads(PRISM))
     assert_same(cgff_cli.loads("\ufeff" + PRISM), cgff_cli.loads(PRISM))
+    assert cgff_cli.loads("\ufeff" + json.dumps(TRIANGLE), "triangle.json").name == "triangle"
 
 
 def test_a_dash_reads_standard_input(monkeypatch):
@@ -297,6 +299,13 @@ def test_tiny_coordinates_are_harmless_and_stay():
 def test_what_is_legal_but_seldom_meant_draws_a_warning(changes, warning):
     assert scene_with().warnings == ()
     assert scene_with(**changes).warnings == (warning,)
+
+
+def test_parts_are_numbered_by_their_first_node_however_many_there_are():
+    few = np.array([[5, 3], [4, 1], [3, 2]])
+    assert component_labels(7, few).tolist() == [0, 1, 2, 2, 1, 2, 3]
+    many = np.tile(few, (2000, 1))
+    assert component_labels(7, many).tolist() == [0, 1, 2, 2, 1, 2, 3]
 
 
 @pytest.mark.parametrize("extra", [0, 6000])
