@@ -1,6 +1,22 @@
 """Rigid motions: what moves a structure without deforming it."""
 
+from math import sqrt
+
 import numpy as np
+
+from cgff_cli.mechanics.norms import norm
+
+
+def _turns(d: int) -> np.ndarray:
+    """Return (d, d r): a position times this is its d velocities under each of the r unit rotations."""
+    planes = [(i, j) for i in range(d) for j in range(i + 1, d)]
+    turns = np.zeros((d, d, len(planes)))
+    for r, (i, j) in enumerate(planes):
+        turns[j, i, r], turns[i, j, r] = -1.0, 1.0
+    return turns.reshape(d, -1)
+
+
+TURNS = {d: _turns(d) for d in (2, 3)}
 
 FLAT = 1e-10
 """Relative size below which a rotation moves nothing (a collinear structure about its own line)."""
@@ -12,7 +28,7 @@ def rigid_motions(X: np.ndarray, free: np.ndarray) -> np.ndarray:
     X: (n, d) positions; free: (n, d) bool. Rows are the m free directions, node by node. A plane free
     body has r = 3, a spatial one 6; one whose nodes lie on a line has one rotation less.
     """
-    motions = _orthonormal(_all_motions(X))
+    motions = _orthonormal(all_motions(X - X.mean(axis=0)))
     if free.all():
         return motions
     held = motions[~free.reshape(-1)]
@@ -21,18 +37,17 @@ def rigid_motions(X: np.ndarray, free: np.ndarray) -> np.ndarray:
     return _orthonormal(motions @ rows[rank:].T)[free.reshape(-1)]
 
 
-def _all_motions(X: np.ndarray) -> np.ndarray:
-    """Return d translations and d (d - 1) / 2 rotations about the centroid as columns, (n d, r)."""
+def all_motions(X: np.ndarray) -> np.ndarray:
+    """Return d translations and d (d - 1) / 2 rotations about the origin as columns, (n d, r).
+
+    Columns are about as long as each other when X is centred; they are not orthonormal.
+    """
     n, d = X.shape
-    Y = X - X.mean(axis=0)
-    Y = Y / (np.abs(Y).max() or 1.0)
-    columns = [np.broadcast_to(axis, (n, d)) for axis in np.eye(d)]
-    for i in range(d):
-        for j in range(i + 1, d):
-            turn = np.zeros((n, d))
-            turn[:, i], turn[:, j] = -Y[:, j], Y[:, i]
-            columns.append(turn)
-    return np.stack([column.reshape(-1) for column in columns], axis=1)
+    turns = (X @ TURNS[d]).reshape(n, d, -1)
+    motions = np.empty((n, d, d + turns.shape[2]))
+    motions[:, :, :d] = np.eye(d) * (1.0 / sqrt(n))
+    np.multiply(turns, 1.0 / (norm(X) or 1.0), out=motions[:, :, d:])
+    return motions.reshape(n * d, -1)
 
 
 def _orthonormal(columns: np.ndarray) -> np.ndarray:

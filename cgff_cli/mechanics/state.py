@@ -1,18 +1,11 @@
 """A structure at one shape: the columns of the mechanics, each computed once."""
 
-from math import sqrt
-
 import numpy as np
 
 from cgff_cli.mechanics import elements, tangent
 from cgff_cli.mechanics.connectivity import Connectivity
 from cgff_cli.mechanics.equilibrium import residual
 from cgff_cli.structure import Structure
-
-
-def norm(values: np.ndarray) -> float:
-    """Return the Euclidean (for a matrix, Frobenius) norm of an array."""
-    return sqrt(np.vdot(values, values))
 
 
 class Mechanics:

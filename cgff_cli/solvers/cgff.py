@@ -13,7 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cgff_cli.mechanics.state import Mechanics, State, norm
+from cgff_cli.mechanics.norms import norm
+from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.options import SolveOptions
 from cgff_cli.solvers.curvature import farthest_fall, separated
 from cgff_cli.solvers.directions import RULES

@@ -4,7 +4,8 @@ from math import sqrt
 
 import numpy as np
 
-from cgff_cli.mechanics.state import State, norm
+from cgff_cli.mechanics.norms import norm
+from cgff_cli.mechanics.state import State
 from cgff_cli.solvers.objectives import Line
 from cgff_cli.structure import Structure
 

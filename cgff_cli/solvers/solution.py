@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from cgff_cli.mechanics.state import State, norm
+from cgff_cli.mechanics.norms import norm
+from cgff_cli.mechanics.state import State
 from cgff_cli.solvers.stopping import Gauge, Verdict, sentence
 
 Observer = Callable[[dict[str, Any]], None]
