@@ -44,8 +44,9 @@ def _lines(rows: Iterable[Iterable[Any]]) -> str:
 
 
 def _cells(values: list[Any]) -> list[Any]:
-    if all(isinstance(value, str) for value in values):
-        return values
+    kinds = set(map(type, values))
+    if kinds <= {str, int} or (kinds == {float} and all(map(math.isfinite, values))):
+        return values  # what csv writes as it should be, and most columns are
     return [_cell(value) for value in values]
 
 

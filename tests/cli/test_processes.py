@@ -28,6 +28,19 @@ def test_a_result_survives_a_pipe_byte_for_byte():
     assert piped.stderr == b""
 
 
+@pytest.mark.parametrize(("flags", "begins"), [([], b"{\n"), (["--format", "csv"], b"name,x,y,z\n")])
+def test_a_device_has_no_suffix_and_takes_the_format_asked_for(flags: list[str], begins: bytes):
+    command = [*CGFF, "solve", PRISM, "-o", "/dev/stdout", *flags]
+    assert subprocess.run(command, capture_output=True, env=ENVIRONMENT).stdout.startswith(begins)
+
+
+def test_a_redirected_device_is_not_replaced(tmp_path: Path):
+    with (tmp_path / "out").open("wb") as out:
+        subprocess.run([*CGFF, "solve", PRISM, "-o", "/dev/stdout"], stdout=out, env=ENVIRONMENT, check=True)
+        assert os.path.samestat(os.fstat(out.fileno()), os.stat(tmp_path / "out"))
+    assert json.loads((tmp_path / "out").read_text())["converged"] is True
+
+
 def test_a_reader_that_leaves_early_causes_no_complaint(tmp_path: Path):
     scene = _long_chain(tmp_path, 3000)
     solving = subprocess.Popen(

@@ -38,11 +38,6 @@ def test_a_dash_is_standard_output(run: Run):
     assert run("solve", "prism.yaml", "-o", "-", "--format", "csv").stdout.startswith("name,")
 
 
-def test_a_device_has_no_suffix_and_takes_the_format_asked_for(run: Run):
-    assert run("solve", "prism.yaml", "-o", "/dev/null").exit_code == 0
-    assert run("solve", "prism.yaml", "-o", "/dev/null", "--format", "csv").exit_code == 0
-
-
 def test_a_table_can_be_shown_beside_a_file(run: Run):
     ended = run("solve", "prism.yaml", "-o", "out.json", "--format", "table")
     assert "Triangular prism" in ended.stdout
