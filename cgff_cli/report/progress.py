@@ -61,7 +61,7 @@ def _started() -> "Live":
     from rich.live import Live
 
     live = Live(
-        console=Console(stderr=True, markup=False, emoji=False, highlight=False),
+        console=Console(stderr=True),
         auto_refresh=False,
         transient=True,
         redirect_stdout=False,

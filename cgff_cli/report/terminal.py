@@ -42,17 +42,11 @@ class Column(NamedTuple):
 def rendered(parts: Iterable[RenderableType], terminal: bool) -> str:
     """Return styled text as one string, coloured for a terminal unless NO_COLOR is set.
 
-    Words wrap at the terminal's width, and nowhere else; text marked `no_wrap` never does.
+    Words wrap at the terminal's width, and nowhere else; text marked `no_wrap` never does. Parts hold
+    no plain strings, in which rich would look for markup.
     """
     out = io.StringIO()
-    console = Console(
-        file=out,
-        force_terminal=True if terminal else None,
-        width=None if terminal else _WIDE,
-        highlight=False,
-        markup=False,
-        emoji=False,
-    )
+    console = Console(file=out, force_terminal=True if terminal else None, width=None if terminal else _WIDE)
     for part in parts:
         console.print(part, soft_wrap=isinstance(part, Text) and bool(part.no_wrap))
     return "".join(f"{line.rstrip(' ')}\n" for line in out.getvalue().splitlines())

@@ -8,6 +8,7 @@ import pytest
 
 from cgff_cli import pipeline
 from cgff_cli.cli.common import ExitCode, worst
+from cgff_cli.report import progress
 from tests.cli.conftest import Run
 
 
@@ -140,6 +141,11 @@ def test_warnings_are_told_unless_quiet(run: Run):
     Path("double.yaml").write_text(scene.replace("[n1, n2]", "[n1, n2], [n1, n2]"))
     assert "cgff: double.yaml: warning: " in run("solve", "double.yaml", "-o", "out.json").stderr
     assert "warning" not in run("solve", "double.yaml", "-o", "out.json", "-q").stderr
+
+
+def test_progress_is_for_terminals_only(run: Run, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.delattr(progress, "Progress")
+    assert run("solve", "prism.yaml").exit_code == 0
 
 
 @pytest.mark.parametrize("arguments", [("-v", "solve"), ("solve", "-v"), ("-v", "solve", "-v")])

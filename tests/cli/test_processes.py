@@ -14,6 +14,7 @@ from tests.cli.conftest import STRUCTURES
 
 CGFF = [sys.executable, "-m", "cgff_cli"]
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(STRUCTURES.parent)}
+ENVIRONMENT.pop("PYTHONUNBUFFERED", None)  # users' output is buffered
 PRISM = str(STRUCTURES / "prism.yaml")
 
 
@@ -55,6 +56,15 @@ def test_a_reader_that_leaves_early_causes_no_complaint(tmp_path: Path):
     solving.stdout.close()
     assert solving.stderr.read() == b""
     assert solving.wait() == 141
+
+
+def test_no_reader_at_all_causes_no_complaint_either():
+    read, write = os.pipe()
+    os.close(read)
+    short = [*CGFF, "solve", PRISM, "--format", "csv"]  # so short that Python still holds it at exit
+    ended = subprocess.run(short, stdout=write, stderr=subprocess.PIPE, env=ENVIRONMENT)
+    os.close(write)
+    assert (ended.returncode, ended.stderr) == (141, b"")
 
 
 def test_a_full_disk_is_an_error_and_not_a_silent_success():

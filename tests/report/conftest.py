@@ -14,7 +14,7 @@ name: triangle
 law: paper
 nodes: {a: [0, 0], "b, \\"c\\"": [1, 0], é: [0, 2]}
 elements:
-  cables: {kind: cable, EA: 10.0, rest_length: 0.9, pairs: [[a, "b, \\"c\\""], ["b, \\"c\\"", é]]}
+  cables: {kind: cable, EA: [10.0, 11.0], rest_length: 0.9, pairs: [[a, "b, \\"c\\""], ["b, \\"c\\"", é]]}
   struts: {kind: strut, EA: 20.0, rest_length: [1.1], pairs: [[é, a]]}
 supports: {a: xy, é: x}
 loads: {"b, \\"c\\"": [0.25, 0.125]}

@@ -70,6 +70,12 @@ def test_numbers_read_back_as_the_same_double(altered: MakeResult):
     assert [x.hex() for x in history] == [x.hex() for x in numbers]
 
 
+def test_zeros_of_one_column_keep_their_signs(altered: MakeResult, triangle: Result):
+    state = triangle.solution.state.mechanics.at(np.array([[0.0, 1.0], [-0.0, 2.0], [0.0, 3.0]]))
+    nodes = json.loads(_pretty(altered(state=state, centre=np.array([-0.0, -0.0]))))["nodes"]
+    assert [math.copysign(1.0, x) for x, _ in nodes.values()] == [1.0, -1.0, 1.0]
+
+
 @pytest.mark.parametrize("odd", [math.nan, math.inf, -math.inf, np.float64("nan"), np.float32("inf")])
 def test_what_is_no_number_is_null_anywhere(altered: MakeResult, odd: float):
     result = altered(

@@ -78,6 +78,14 @@ def test_a_terminal_wraps_words_at_its_width(
     assert max(len(line) for line in page.splitlines() if "long" in line) <= width
 
 
+def test_a_terminal_wraps_no_row_of_a_table(triangle: Result, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("COLUMNS", "40")
+    monkeypatch.setenv("NO_COLOR", "1")
+    page = re.sub(r"\x1b\[[0-9;]*m", "", result_text(triangle, terminal=True))
+    rows = [line for line in page.splitlines() if re.match(r"  (element|cables|struts) ", line)]
+    assert [len(row.split()) >= 7 for row in rows] == [True] * 4
+
+
 def test_a_terminal_gets_colour_unless_no_color_is_set(triangle: Result, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("TERM", "xterm-256color")
     monkeypatch.delenv("NO_COLOR", raising=False)
