@@ -1,7 +1,7 @@
 """What can go wrong, sorted by who can mend it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 
 class CgffError(Exception):
@@ -12,9 +12,8 @@ class OptionError(CgffError):
     """A solve option that does not exist or has a value it cannot take."""
 
 
-@dataclass(frozen=True, order=True)
-class Problem:
-    """One mistake in a file; line and column count from 1."""
+class Problem(NamedTuple):
+    """One mistake in a file; line and column count from 1; problems sort by place."""
 
     path: str
     line: int

@@ -4,7 +4,6 @@ The scene's `solver:` block, the command line's flags and Python's keywords are 
 `SolveOptions`; a flag is the field's name with dashes.
 """
 
-import difflib
 from collections.abc import Mapping
 from dataclasses import Field, asdict, dataclass, field, fields, replace
 from typing import Any
@@ -65,6 +64,8 @@ OPTIONS: dict[str, Field[Any]] = {option.name: option for option in fields(Solve
 def checked(name: str, value: object) -> Any:
     """Return one option's value in its own type, or raise OptionError saying what is allowed."""
     if name not in OPTIONS:
+        import difflib
+
         near = difflib.get_close_matches(name, OPTIONS, n=1)
         hint = f"; did you mean {near[0]!r}?" if near else f"; allowed: {', '.join(OPTIONS)}"
         raise OptionError(f"unknown solve option {name!r}{hint}")

@@ -7,7 +7,7 @@ import numpy as np
 from cgff_cli.scene.scene import AXES, Scene
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Structure:
     """b elements between n nodes in d dimensions; element e runs from node start[e] to end[e].
 

@@ -15,7 +15,7 @@ from cgff_cli.structure import Structure
 SCHEMA = "cgff-result/1"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Result:
     """A solved scene. Arrays: coordinates (n, d); lengths, forces, force_densities, slack (b,)."""
 

@@ -38,8 +38,8 @@ def _labels_by_union(n: int, pairs: np.ndarray) -> np.ndarray:
 
 
 def _by_first(labels: np.ndarray) -> np.ndarray:
-    _, first, inverse = np.unique(labels, return_index=True, return_inverse=True)
-    return np.argsort(np.argsort(first))[inverse]
+    number: dict[int, int] = {}
+    return np.array([number.setdefault(label, len(number)) for label in labels.tolist()], dtype=int)
 
 
 def all_pairs(groups: Sequence[Group]) -> np.ndarray:

@@ -5,7 +5,6 @@ import os
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any
 
 from cgff_cli.errors import Problem, SceneError
@@ -13,7 +12,7 @@ from cgff_cli.scene.findings import Findings
 from cgff_cli.scene.located import Document, yaml_events
 from cgff_cli.scene.scene import Scene
 from cgff_cli.scene.schema import read_scene
-from cgff_cli.scene.text import decoded, reason
+from cgff_cli.scene.text import decoded, read_text, reason
 
 STDIN = "<stdin>"
 
@@ -28,10 +27,10 @@ def load(path: str | os.PathLike[str]) -> Scene:
     try:
         if shown == "-":
             return loads(decoded(sys.stdin.buffer.read(), STDIN), STDIN)
-        data = Path(shown).read_bytes()
+        text = read_text(shown)
     except (OSError, ValueError) as error:
         raise SceneError([Problem(shown, 1, 1, f"cannot read the scene: {reason(error)}")]) from None
-    return loads(decoded(data, shown), shown, Path(shown).parent)
+    return loads(text, shown, os.path.dirname(shown))
 
 
 @contextmanager
@@ -52,7 +51,7 @@ def loads(text: str, path: str = "<text>", base: str | os.PathLike[str] | None =
     Raises SceneError with every problem found; `base` is the current directory unless given.
     """
     text = text.removeprefix("\ufeff")
-    directory = Path(base) if base is not None else Path()
+    directory = os.fspath(base) if base is not None else ""
     with _collection_paused():
         scene = None
         if path.lower().endswith(".json") or text.lstrip()[:1] == "{":
@@ -68,13 +67,13 @@ def from_dict(mapping: Mapping[str, Any]) -> Scene:
     from cgff_cli.scene.python_values import plain_values
 
     findings = Findings()
-    scene = read_scene(findings, plain_values(findings, mapping), "<python>", Path())
+    scene = read_scene(findings, plain_values(findings, mapping), "<python>", "")
     if scene is None or not findings.none:
         raise SceneError(findings.problems("<python>", lambda where, at_key: (1, 1)))
     return scene
 
 
-def _load_json(text: str, path: str, base: Path) -> Scene | None:
+def _load_json(text: str, path: str, base: str) -> Scene | None:
     """Return the scene of a JSON text; None where the text is left to the YAML reader."""
     from json import JSONDecodeError
 
@@ -95,7 +94,7 @@ def _load_json(text: str, path: str, base: Path) -> Scene | None:
     return _located(Document(json_text.events(text)), path, base)
 
 
-def _located(document: Document, path: str, base: Path) -> Scene:
+def _located(document: Document, path: str, base: str) -> Scene:
     """Return the scene of a document, or raise SceneError with the place of every problem."""
     findings = Findings()
     scene = read_scene(findings, document.value, path, base) if document.whole else None

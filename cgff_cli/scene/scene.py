@@ -10,7 +10,7 @@ KINDS = ("cable", "strut")
 AXES = "xyz"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # arrays have no one answer to ==
 class Group:
     """Elements of one kind: m pairs of node rows with their EA and rest lengths.
 
@@ -26,7 +26,7 @@ class Group:
     rest_length: np.ndarray
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Scene:
     """One structure as its user described it; the reader has checked all of it.
 

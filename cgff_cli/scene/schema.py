@@ -1,7 +1,6 @@
 """Plain values -> Scene: what a scene may say, block by block."""
 
 import os.path
-from pathlib import Path
 from typing import Any
 
 from cgff_cli.errors import OptionError
@@ -16,7 +15,7 @@ SCENE_KEYS = ("name", "law", "nodes", "elements", "supports", "loads", "solver")
 _LAWS_EXPLAINED = "paper (force = EA (l - l0)) or hooke (force = EA (l - l0) / l0)"
 
 
-def read_scene(findings: Findings, value: object, path: str, base: Path) -> Scene | None:
+def read_scene(findings: Findings, value: object, path: str, base: str) -> Scene | None:
     """Return the scene that plain values describe, or None where they hold a problem.
 
     `base` is the directory that names of CSV files are relative to.
@@ -46,7 +45,7 @@ def read_scene(findings: Findings, value: object, path: str, base: Path) -> Scen
 
 def _name(findings: Findings, value: object, path: str) -> str:
     if is_absent(value):
-        return Path(path).stem.strip("<>") or "scene"
+        return os.path.splitext(os.path.basename(path))[0].strip("<>") or "scene"
     text = value.rstrip("\n") if type(value) is str else value
     return fields.name(findings, ("name",), text) or ""
 
@@ -58,7 +57,7 @@ def _law(findings: Findings, values: dict[str, Any]) -> str | None:
     return None
 
 
-def _nodes(findings: Findings, values: dict[str, Any], base: Path) -> Nodes | None:
+def _nodes(findings: Findings, values: dict[str, Any], base: str) -> Nodes | None:
     if "nodes" not in values:
         findings.add((), "missing key 'nodes'; it maps node names to coordinates, or names a .csv file")
         return None
@@ -72,7 +71,7 @@ def _nodes(findings: Findings, values: dict[str, Any], base: Path) -> Nodes | No
 
 
 def _elements(
-    findings: Findings, values: dict[str, Any], base: Path, points: Nodes | None, law: str | None
+    findings: Findings, values: dict[str, Any], base: str, points: Nodes | None, law: str | None
 ) -> list[Group] | None:
     if "elements" not in values:
         findings.add((), "missing key 'elements'; it maps group names to groups, or names a .csv file")

@@ -1,8 +1,8 @@
 """Nodes and elements from CSV files, column by column; a bad cell is reported at its own place."""
 
+import os.path
 from collections.abc import Collection, Sequence
 from itertools import chain
-from pathlib import Path
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from cgff_cli.scene.findings import Findings, Where, nearest, quoted
 from cgff_cli.scene.located import Plain
 from cgff_cli.scene.nodes import Nodes
 from cgff_cli.scene.scene import KINDS, Group
-from cgff_cli.scene.text import decoded, reason
+from cgff_cli.scene.text import read_text, reason
 
 NODE_COLUMNS = ("name", "x", "y", "z")
 ELEMENT_COLUMNS = ("start", "end", "group", "kind", "EA", "rest_length")
@@ -73,18 +73,18 @@ class _Columns:
         return None
 
 
-def open_table(findings: Findings, where: Where, file: str, base: Path) -> Table | None:
+def open_table(findings: Findings, where: Where, file: str, base: str) -> Table | None:
     """Return the table in a file whose path is relative to `base`, or record why it cannot be read."""
-    path = base / file
+    path = os.path.join(base, file)
     try:
-        text = decoded(path.read_bytes(), str(path))
+        text = read_text(path)
     except SceneError as error:
         findings.other_files.append(Unreadable(error.problems))
         return None
     except (OSError, ValueError) as error:
-        findings.add(where, f"cannot read {quoted(str(path))}: {reason(error)}")
+        findings.add(where, f"cannot read {quoted(path)}: {reason(error)}")
         return None
-    table = Table(str(path), text)
+    table = Table(path, text)
     findings.other_files.append(table)
     return table
 

@@ -5,6 +5,12 @@ from cgff_cli.errors import Problem, SceneError
 _BOM = b"\xef\xbb\xbf"
 
 
+def read_text(path: str) -> str:
+    """Return the text of a UTF-8 file; raises OSError or ValueError as `open` does, and SceneError."""
+    with open(path, "rb") as file:
+        return decoded(file.read(), path)
+
+
 def decoded(data: bytes, path: str) -> str:
     """Return UTF-8 bytes as text without a byte order mark; raises SceneError at the first bad byte."""
     data = data.removeprefix(_BOM)
