@@ -52,7 +52,7 @@ def analysed(scene: Scene, solution: Solution, options: SolveOptions) -> dict[st
             found["super_stable"] = bool(found["stable"]) and is_super_stable(state, tolerance)
     slack = np.flatnonzero(state.slack)
     pushed = np.flatnonzero(~state.mechanics.structure.tension_only & (state.t > 0.0))
-    pulled = pushed[state.t[pushed] > solution.floor]
+    pulled = pushed[state.t[pushed] > 16.0 * solution.floor]
     return found | {
         "prestressed": bool(np.abs(state.t).max() > 16.0 * solution.floor),
         "slack_count": len(slack),
