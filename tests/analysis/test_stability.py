@@ -1,0 +1,134 @@
+"""Stable, unstable, neutral, super-stable: by structures where the answer is known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import cgff_cli
+from cgff_cli.scene.read import from_dict
+from tests.analysis.scenes import CORNERS, crossed, unstressed
+from tests.bodies import scene, tangent_by_complex_steps
+from tests.closed_forms.references import expanded_octahedron, hanging_chain, hypar_net, prism
+from tests.shapes import STRUCTURES
+from tests.solvers.scenes import pendulum, shipped, truss
+
+TRIANGLE = [(0, 1), (1, 2), (2, 0)]
+
+
+def analysis(scene: "cgff_cli.Scene", **options: object) -> dict:
+    result = cgff_cli.solve(scene, **options)
+    assert result.converged
+    return result.analysis
+
+
+@pytest.mark.parametrize(
+    ("start", "height", "kind"),
+    [(0.5, 0.44**0.5, "stable"), (0.1, 0.0, "unstable"), (-0.5, -(0.44**0.5), "stable")],
+)
+def test_the_three_equilibria_of_a_von_mises_truss(start, height, kind):
+    result = cgff_cli.solve(truss(start), objective="residual")
+    assert result.nodes["n2"] == pytest.approx([0.0, height], abs=1e-9)
+    assert (result.analysis["stability"], result.analysis["stable"]) == (kind, kind == "stable")
+
+
+def test_the_softest_stiffness_of_a_level_truss_is_that_of_its_two_struts():
+    # Across: 2 q = 2 k (l - l0) / l; along: 2 k.
+    found = analysis(truss(0.1), objective="residual")
+    assert found["smallest_stiffness"] == pytest.approx(2.0 * 100.0 * (1.0 - 1.2), rel=1e-9)
+
+
+@pytest.mark.parametrize(("y", "kind"), [(1.0, "unstable"), (-1.0, "stable")])
+def test_a_pendulum_is_stable_hanging_and_unstable_upright(y, kind):
+    found = analysis(pendulum(y), objective="residual")
+    assert found["stability"] == kind
+    # Its own rotation is a rigid motion, and the load resists or drives it: weight over length.
+    assert found["rigid_motions"] == 1
+    assert found["smallest_stiffness"] == pytest.approx(-y / (1.0 - 0.01 * y), rel=1e-6)
+
+
+def test_a_node_on_a_slack_cable_is_neutral():
+    found = analysis(scene([(0.0, 0.0), (0.5, 0.0)], [(0, 1, "cable", 1.0, 1.0)], {0: "xy"}))
+    assert (found["stability"], found["stable"], found["super_stable"]) == ("neutral", False, False)
+
+
+def test_an_unstressed_square_is_neutral_and_a_triangle_stable():
+    square = unstressed(CORNERS, [(0, 1), (1, 2), (2, 3), (3, 0)])
+    assert analysis(square)["stability"] == "neutral"
+    assert analysis(unstressed(CORNERS[:3], TRIANGLE))["stability"] == "stable"
+
+
+def test_two_parts_that_nothing_joins_are_neutral():
+    points = [*CORNERS[:3], (5.0, 0.0), (6.0, 0.0), (5.0, 1.0)]
+    two = unstressed(points, [*TRIANGLE, (3, 4), (4, 5), (5, 3)])
+    assert analysis(two)["stability"] == "neutral"
+
+
+def test_where_only_rigid_motions_are_left_nothing_can_be_unstable():
+    found = analysis(unstressed(CORNERS[:2], [(0, 1)], {0: "xy", 1: "xy"}))
+    assert (found["stability"], found["smallest_stiffness"]) == ("stable", None)
+
+
+@pytest.mark.parametrize("name", ["prism", "octahedron", "hexagon", "x-module", "bracket", "cable-net"])
+def test_the_softest_stiffness_is_the_least_eigenvalue_apart_from_rigid_motions(name):
+    result = cgff_cli.solve(shipped(name), tolerance=1e-12)
+    values = np.linalg.eigvalsh(tangent_by_complex_steps(result.structure, result.coordinates))
+    left = np.sort(values)[result.analysis["rigid_motions"] :]
+    assert result.analysis["smallest_stiffness"] == pytest.approx(left[0], rel=1e-5)
+    assert result.analysis["stable"] is True
+
+
+@pytest.mark.parametrize(
+    "mapping",
+    [
+        *(pytest.param(prism(n).scene("paper"), id=f"prism {n}") for n in range(3, 13)),
+        pytest.param(expanded_octahedron().scene("hooke"), id="octahedron"),
+        pytest.param(
+            hanging_chain().scene("paper"),
+            id="hanging chain",
+            marks=pytest.mark.xfail(
+                strict=True, reason="under load the affine motions that supports allow need not be null in D"
+            ),
+        ),
+        pytest.param(hypar_net(4).scene("hooke"), id="net"),
+    ],
+)
+def test_these_are_super_stable(mapping):
+    found = analysis(from_dict(mapping))
+    assert (found["stable"], found["super_stable"]) == (True, True)
+
+
+@pytest.mark.parametrize("name", ["prism", "octahedron", "hexagon", "x-module"])
+def test_the_shipped_tensegrities_are_super_stable_as_they_say(name):
+    assert "super-stable" in (STRUCTURES / f"{name}.yaml").read_text(encoding="utf-8")
+    assert analysis(shipped(name))["super_stable"] is True
+
+
+def test_a_square_is_super_stable_with_cables_around_and_only_stable_with_struts_around():
+    assert analysis(crossed("cable", "strut"))["super_stable"] is True
+    inside_out = analysis(crossed("strut", "cable"))
+    assert (inside_out["stable"], inside_out["super_stable"]) == (True, False)
+    assert inside_out["nullity_D"] == 3
+
+
+@pytest.mark.parametrize(
+    "rigid",
+    [unstressed(CORNERS[:3], TRIANGLE), truss(0.6), shipped("bracket")],
+    ids=["triangle", "truss", "bracket"],
+)
+def test_stable_by_stiffness_alone_is_not_super_stable(rigid):
+    found = analysis(rigid)
+    assert (found["stable"], found["super_stable"]) == (True, False)
+
+
+def test_an_unstable_equilibrium_is_not_super_stable():
+    assert analysis(truss(0.0), objective="residual")["super_stable"] is False
+
+
+@pytest.mark.parametrize("factor", [2.0**-40, 1e-9, 1e9])
+def test_stability_does_not_depend_on_units(factor):
+    scene = shipped("prism")
+    groups = [replace(group, rest_length=group.rest_length * factor) for group in scene.groups]
+    found = analysis(replace(scene, coordinates=scene.coordinates * factor, groups=tuple(groups)))
+    assert (found["stability"], found["super_stable"]) == ("stable", True)
+    assert found["smallest_stiffness"] == pytest.approx(analysis(scene)["smallest_stiffness"], rel=1e-6)
