@@ -14,6 +14,8 @@ __version__ = "0.1.0"
 _HOME = {
     "load": "cgff_cli.scene.read",
     "loads": "cgff_cli.scene.read",
+    "from_dict": "cgff_cli.scene.read",
+    "to_yaml": "cgff_cli.scene.write",
     "solve": "cgff_cli.pipeline",
     "Scene": "cgff_cli.scene.scene",
     "Group": "cgff_cli.scene.scene",

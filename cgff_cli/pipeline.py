@@ -1,13 +1,14 @@
 """Scene in, result out: the walk through the rooms, in order."""
 
 from time import perf_counter
+from typing import Any
 
 from cgff_cli.analysis.equilibrium import analysed
 from cgff_cli.options import SolveOptions
 from cgff_cli.report.result import Result
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers import cgff, table1
-from cgff_cli.solvers.solution import Observer
+from cgff_cli.solvers.solution import Observer, Solution
 from cgff_cli.structure import from_scene
 
 METHODS = {"cgff": cgff.form_find, "table1": table1.form_find}
@@ -29,4 +30,13 @@ def solve(scene: Scene | str, *, observer: Observer | None = None, **changes: ob
     start = perf_counter()
     solution = METHODS[options.method](structure, options, observer)
     seconds = perf_counter() - start
-    return Result(scene, structure, options, solution, analysed(scene, solution, options), seconds)
+    analysis, cut_short = _analysed(scene, solution, options)
+    return Result(scene, structure, options, solution, analysis, seconds, cut_short)
+
+
+def _analysed(scene: Scene, solution: Solution, options: SolveOptions) -> tuple[dict[str, Any], bool]:
+    """Return the analysis, and whether Ctrl-C cut it short: the solution before it stands all the same."""
+    try:
+        return analysed(scene, solution, options), False
+    except KeyboardInterrupt:
+        return analysed(scene, solution, options.merged({"analysis": "never"})), True

@@ -85,9 +85,9 @@ def _tell(scene: str, result: "Result") -> ExitCode:
     name = title(scene)
     for warning in result.warnings:
         warn(f"cgff: {name}: warning: {warning}")
-    if not result.converged or wanted("verbose"):
+    if not result.converged or result.interrupted or wanted("verbose"):
         say(f"cgff: {name}: {result.verdict}: {result.message}")
-    if result.verdict == "interrupted":
+    if result.interrupted:
         return ExitCode.INTERRUPTED
     if not result.converged:
         return ExitCode.NOT_CONVERGED

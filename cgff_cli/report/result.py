@@ -10,6 +10,7 @@ from cgff_cli import __version__
 from cgff_cli.options import SolveOptions
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers.solution import Solution
+from cgff_cli.solvers.stopping import Verdict
 from cgff_cli.structure import Structure
 
 SCHEMA = "cgff-result/1"
@@ -25,6 +26,7 @@ class Result:
     solution: Solution
     analysis: dict[str, Any]
     seconds: float
+    analysis_interrupted: bool = False
     schema: str = field(default=SCHEMA, init=False)
 
     @property
@@ -54,9 +56,15 @@ class Result:
         return self.solution.verdict.converged
 
     @property
+    def interrupted(self) -> bool:
+        """True where Ctrl-C ended the solver, or the analysis of what it had found."""
+        return self.analysis_interrupted or self.solution.verdict is Verdict.INTERRUPTED
+
+    @property
     def message(self) -> str:
         """One sentence for a person."""
-        return self.solution.message
+        message = self.solution.message
+        return f"{message}; its analysis was interrupted" if self.analysis_interrupted else message
 
     @property
     def warnings(self) -> tuple[str, ...]:

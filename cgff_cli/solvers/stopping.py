@@ -137,5 +137,5 @@ def sentence(verdict: Verdict, balance: Balance, tolerance: float) -> str:
         Verdict.STEP_VANISHED: f"no equilibrium: steps vanished, but {found} remains",
         Verdict.MAX_ITERATIONS: f"no equilibrium yet: iteration limit reached with {found}",
         Verdict.DIVERGED: "no equilibrium: the shape grew without bound",
-        Verdict.INTERRUPTED: f"interrupted with {found}",
+        Verdict.INTERRUPTED: f"no equilibrium yet: stopped on request with {found}",
     }[verdict]

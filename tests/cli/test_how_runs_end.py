@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from cgff_cli import pipeline
+from cgff_cli.analysis import equilibrium
 from cgff_cli.cli.common import ExitCode, worst
 from cgff_cli.report import progress
 from tests.cli.conftest import Run
@@ -125,6 +126,18 @@ def test_an_interrupt_outside_the_solver_is_130(run: Run, monkeypatch: pytest.Mo
     monkeypatch.setattr(pipeline, "solve", _interrupted)
     ended = run("solve", "prism.yaml", "bracket.yaml")
     assert (ended.exit_code, ended.stdout, ended.stderr) == (130, "", "cgff: interrupted\n")
+
+
+def test_an_interrupted_analysis_is_130_and_leaves_the_solution(run: Run, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(equilibrium, "rank_conditions", _interrupted)
+    ended = run("solve", "prism.yaml", "bracket.yaml", "--out-dir", "out", "-q")
+    assert ended.exit_code == 130
+    assert [path.name for path in Path("out").iterdir()] == ["prism.json"]
+    result = json.loads(Path("out/prism.json").read_text())
+    assert (result["verdict"], result["analysis"]["stable"]) == ("converged", None)
+    assert result["analysis"]["slack_count"] == 0
+    assert result["message"].endswith("; its analysis was interrupted")
+    assert ended.stderr == f"cgff: prism.yaml: converged: {result['message']}\n"
 
 
 def test_an_unstable_equilibrium_is_told_unless_quiet(run: Run, unstable: str):
