@@ -16,6 +16,7 @@ _HOME = {
     "loads": "cgff_cli.scene.read",
     "from_dict": "cgff_cli.scene.read",
     "to_yaml": "cgff_cli.scene.write",
+    "new": "cgff_cli.scene.new",
     "solve": "cgff_cli.pipeline",
     "Scene": "cgff_cli.scene.scene",
     "Group": "cgff_cli.scene.scene",

@@ -15,6 +15,7 @@ from cgff_cli.cli.common import errors_reported, word_options
 COMMANDS = {
     "solve": "Find the equilibrium shape of each scene.",
     "check": "Read and validate scenes without solving them.",
+    "new": "Write a scene of a family: prisms, towers, polyhedra, nets, chains.",
 }
 
 EPILOG = """\b
@@ -22,6 +23,7 @@ Examples:
   cgff solve prism.yaml
   cgff solve prism.yaml -o prism.json --history prism.csv
   cgff check *.yaml
+  cgff new prism --sides 5 --noise 0.1 | cgff solve -
 
 \b
 Exit codes:

@@ -13,15 +13,20 @@ _PLAIN = re.compile(r"\w(?:[\w ./()+-]*[\w./()+-])?")
 _PLAIN_TITLE = re.compile(r"\w(?:[\w ,./()+-]*[\w./()+-])?")
 
 
-def to_yaml(scene: Scene) -> str:
-    """Return a scene file with everything a scene says; CSV tables become part of it."""
-    lines = [f"name: {_title(scene.name)}", f"law: {scene.law}", "nodes:"]
+def to_yaml(scene: Scene, header: str = "", tables: tuple[str, str] | None = None) -> str:
+    """Return a scene file with everything a scene says.
+
+    header : put before it as comments
+    tables : names of the CSV files that hold nodes and elements (`tables_out` has their contents); they
+             become part of the scene file where None
+    """
+    lines = [f"# {line}".rstrip() for line in header.splitlines()]
+    lines += [f"name: {_title(scene.name)}", f"law: {scene.law}"]
     names = [_word(name) for name in scene.node_names]
-    for name, point in zip(names, scene.coordinates.tolist(), strict=True):
-        lines.append(f"  {name}: {_flow(point)}")
-    lines.append("elements:")
-    for group in scene.groups:
-        lines += _group_lines(group, names)
+    if tables is not None:
+        lines += [f"nodes: {_word(tables[0])}", f"elements: {_word(tables[1])}"]
+    else:
+        lines += _structure_lines(scene, names)
     if scene.supports:
         lines.append("supports:")
         lines += [f"  {names[row]}: {axes}" for row, axes in scene.supports.items()]
@@ -32,6 +37,14 @@ def to_yaml(scene: Scene) -> str:
         lines.append("solver:")
         lines += [f"  {option}: {value}" for option, value in scene.solver.items()]
     return "\n".join(lines) + "\n"
+
+
+def _structure_lines(scene: Scene, names: list[str]) -> list[str]:
+    points = zip(names, scene.coordinates.tolist(), strict=True)
+    lines = ["nodes:", *(f"  {name}: {_flow(point)}" for name, point in points), "elements:"]
+    for group in scene.groups:
+        lines += _group_lines(group, names)
+    return lines
 
 
 def _group_lines(group: Group, names: list[str]) -> list[str]:

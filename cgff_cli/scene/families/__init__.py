@@ -1,0 +1,18 @@
+"""Families of scenes that `cgff new` writes, each with a known equilibrium.
+
+A family is a file here, named like it, with a function `equilibrium` of keyword-only parameters that
+returns an Equilibrium, and EXAMPLES of its command; and one line in FAMILIES.
+"""
+
+FAMILIES = {
+    "prism": "Prism: two rings of cables twisted against each other, held apart by struts.",
+    "tower": "Prism tower: stages of one hand that share their rings, braced by diagonal cables.",
+    "drum": "Drum: prisms of alternating hand that share their rings.",
+    "octahedron": "Expanded octahedron: six struts in three parallel pairs, 24 cables.",
+    "polyhedron": "Truncated regular polyhedron: cables on its edges, struts inside.",
+    "x-tower": "Plane tower: X-modules stacked upon each other.",
+    "snake": "Plane snake: X-modules in a row, straight or bent to an arc.",
+    "net": "Cable net: a saddle inside a fixed rim.",
+    "catenary": "Hanging chain: links between two points, equal weights on its nodes.",
+}
+"""Family -> what it is, in the words its function's docstring begins with."""

@@ -1,0 +1,98 @@
+"""The door to the families: a name and parameters in, a scene and words about it out."""
+
+from collections.abc import Callable, Mapping
+from difflib import get_close_matches
+from importlib import import_module
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from cgff_cli.errors import OptionError
+from cgff_cli.scene.equilibrium import Equilibrium, realised
+from cgff_cli.scene.families import FAMILIES
+from cgff_cli.scene.parameters import Parameter, parameters_of
+from cgff_cli.scene.scene import Scene
+
+
+class Family(NamedTuple):
+    """A family: its function, its own parameters and those that all families share."""
+
+    name: str
+    equilibrium: Callable[..., Equilibrium]
+    own: dict[str, Parameter]
+    common: dict[str, Parameter]
+    examples: tuple[str, ...]
+
+
+class Made(NamedTuple):
+    """A scene and what its file says about it: what it is, what made it, the answer if known."""
+
+    scene: Scene
+    header: str
+
+
+def new(family: str, **parameters: object) -> Scene:
+    """Return a scene of a family, such as `new("prism", sides=5, noise=0.1, seed=1)`.
+
+    Parameters are those of the family and of `realised`; raises OptionError for a bad name or value.
+    """
+    return make(family, parameters).scene
+
+
+def find(name: str) -> Family:
+    """Return a family by name; raises OptionError with the nearest name where there is none."""
+    if name not in FAMILIES:
+        raise OptionError(f"unknown family {name!r}{_hint(name, FAMILIES)}")
+    module = import_module(f"cgff_cli.scene.families.{name.replace('-', '_')}")
+    own = parameters_of(module.equilibrium)
+    return Family(name, module.equilibrium, own, parameters_of(realised), module.EXAMPLES)
+
+
+def make(name: str, given: Mapping[str, object]) -> Made:
+    """Return the scene of a family with some parameters given, and its header."""
+    family = find(name)
+    known = family.own | family.common
+    for key in given:
+        if key not in known:
+            raise OptionError(f"unknown parameter {key!r} of {name}{_hint(key, known)}")
+    values = {key: known[key].checked(value) for key, value in given.items()}
+    target = family.equilibrium(**{key: value for key, value in values.items() if key in family.own})
+    common = {key: value for key, value in values.items() if key in family.common}
+    scene = realised(target, **common)
+    flags = [(known[key], values[key]) for key in known if key in values]
+    exact = not target.added_loads and not values.get("jitter")
+    return Made(scene, _header(name, target, flags, exact))
+
+
+def _header(name: str, target: Equilibrium, flags: list[tuple[Parameter, Any]], exact: bool) -> str:
+    said = "".join(f" {p.flag} {_word(value)}" for p, value in flags if value != p.default)
+    lines = [f"{target.title}.", f"Made by: cgff new {name}{said}", ""]
+    if not exact:
+        return "\n".join([*lines, "Rest lengths or loads are off the closed form: no answer is on paper."])
+    lines += [f"Answer: {target.answer}", *_answer_table(target)]
+    return "\n".join(lines)
+
+
+def _answer_table(target: Equilibrium) -> list[str]:
+    """Return lengths and forces of each group in equilibrium, `least .. largest` where they differ."""
+    rows = [("group", "length", "force")]
+    for own in target.members:
+        rows.append((own.name, _span(target.lengths(own)), _span(target.forces(own))))
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return ["  " + "  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
+
+
+def _span(values: np.ndarray) -> str:
+    low, high = (f"{value:.10g}" for value in (values.min(), values.max()))
+    return low if low == high else f"{low} .. {high}"
+
+
+def _word(value: object) -> str:
+    from shlex import quote
+
+    return quote(str(value))
+
+
+def _hint(name: str, known: Mapping[str, object]) -> str:
+    near = get_close_matches(name, known, n=1)
+    return f"; did you mean {near[0]!r}?" if near else f"; allowed: {', '.join(known)}"
