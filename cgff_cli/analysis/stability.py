@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 
 from cgff_cli.mechanics.equilibrium import force_density_matrix
-from cgff_cli.mechanics.state import State, norm
+from cgff_cli.mechanics.norms import norm
+from cgff_cli.mechanics.state import State
 
 
 def stability(state: State, rigid: np.ndarray) -> dict[str, Any]:
