@@ -47,6 +47,14 @@ def test_a_pendulum_is_stable_hanging_and_unstable_upright(y, kind):
     assert found["smallest_stiffness"] == pytest.approx(-y / (1.0 - 0.01 * y), rel=1e-6)
 
 
+@pytest.mark.parametrize(("y", "kind"), [(1.0, "unstable"), (-1.0, "stable")])
+def test_a_stiffness_a_hundred_million_times_softer_than_another_still_has_its_sign(y, kind):
+    light = replace(pendulum(y), loads={1: (0.0, -1e-6)})
+    found = analysis(light, objective="residual")
+    assert found["stability"] == kind
+    assert found["smallest_stiffness"] == pytest.approx(-y * 1e-6, rel=1e-6)
+
+
 def test_a_node_on_a_slack_cable_is_neutral():
     found = analysis(scene([(0.0, 0.0), (0.5, 0.0)], [(0, 1, "cable", 1.0, 1.0)], {0: "xy"}))
     assert (found["stability"], found["stable"], found["super_stable"]) == ("neutral", False, False)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import cgff_cli
-from tests.bodies import Structure, forces_by_loop, tangent_by_complex_steps
+from tests.bodies import Structure, forces_by_loop, scene, tangent_by_complex_steps
 from tests.solvers.scenes import shipped
 
 SCENES = ["x-module", "hexagon", "prism"]
@@ -91,3 +91,13 @@ def test_a_start_in_balance_is_converged_at_once():
 def test_it_restarts_never_and_factorizes_nothing():
     counts = cgff_cli.solve(shipped("prism"), method="table1").counts
     assert (counts["restarts"], counts["factorizations"]) == (0, 0)
+
+
+def test_a_trial_that_changes_nothing_is_not_accepted():
+    # f = (x - 1)^2 / 2 from x = 1.5: a step of 2 mirrors the node to 0.5, a step of 1 balances it.
+    bar = scene([(0.0, 0.0), (1.5, 0.0)], [(0, 1, "strut", 1.0, 1.0)], {0: "xy", 1: "y"})
+    result = cgff_cli.solve(bar, method="table1", alpha=2.0)
+    assert result.history["alpha"] == [0.0, 1.0]
+    assert result.counts["evaluations"] == 3
+    assert result.nodes["n1"] == [1.0, 0.0]
+    assert result.verdict == "converged"

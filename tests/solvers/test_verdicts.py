@@ -31,8 +31,7 @@ SENTENCES = {
     "max_iterations": "no equilibrium yet: iteration limit reached "
     "with out-of-balance force {} of the largest force",
     "diverged": "no equilibrium: the shape grew without bound",
-    "interrupted": "no equilibrium yet: stopped on request "
-    "with out-of-balance force {} of the largest force",
+    "interrupted": "no equilibrium yet: stopped on request with out-of-balance force {} of the largest force",
 }
 
 
