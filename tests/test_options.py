@@ -99,7 +99,7 @@ def test_a_misspelt_option_is_refused_with_its_nearest_name():
 
 
 def test_an_unknown_option_is_refused_with_all_there_are():
-    with pytest.raises(cgff_cli.OptionError, match=re.escape(f"allowed: {', '.join(DEFAULTS)}")):
+    with pytest.raises(cgff_cli.OptionError, match=re.escape(f"allowed: {', '.join(OPTIONS)}")):
         SolveOptions().merged({"zzz": 1})
 
 
