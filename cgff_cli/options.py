@@ -35,7 +35,14 @@ class SolveOptions:
     )
     cg_beta: str = _choice("FR", ("FR", "PR+", "HS", "DY"), "conjugate gradient coefficient")
     preconditioner: str = _choice(
-        "auto", ("auto", "tangent", "none"), "shifted tangent stiffness, or plain conjugate gradients"
+        "auto",
+        ("auto", "tangent", "frames", "none"),
+        "shifted tangent stiffness; local frames, for anchored cable nets; or plain conjugate gradients",
+    )
+    factor: str = _choice(
+        "auto",
+        ("auto", "superlu", "cholmod"),
+        "sparse factors of large scenes; auto: cholmod where it is installed",
     )
     tolerance: float = _number(
         1e-10, 1.0, "largest out-of-balance force component over the largest force at which to stop"

@@ -32,22 +32,24 @@ class Connectivity:
         return rho
 
     @cached_property
-    def _sparse_transpose(self):  # type: ignore[no-untyped-def]
+    def _sparse(self):  # type: ignore[no-untyped-def]
+        """rho and rho^T, both by rows: a product costs a fifth of indexing nodes by element."""
         from scipy.sparse import csr_array
 
         b = len(self.start)
-        signs = np.concatenate((np.ones(b), -np.ones(b)))
-        where = (np.concatenate((self.start, self.end)), np.tile(np.arange(b), 2))
-        return csr_array((signs, where), shape=(self.node_count, b))
+        ends = np.stack((self.start, self.end), axis=1).reshape(-1)
+        shape = (b, self.node_count)
+        rho = csr_array((np.tile((1.0, -1.0), b), ends, 2 * np.arange(b + 1)), shape=shape)
+        return rho, rho.T.tocsr()
 
     def differences(self, X: np.ndarray) -> np.ndarray:
         """Return rho X: (b, d) element vectors, begin minus end, of (n, d) positions."""
         if self.is_small:
             return self._rho @ X
-        return X[self.start] - X[self.end]
+        return self._sparse[0] @ X
 
     def gather(self, V: np.ndarray) -> np.ndarray:
         """Return rho^T V: (n, d) sums over each node's elements of (b, d) element vectors."""
         if self.is_small:
             return self._transpose @ V
-        return self._sparse_transpose @ V
+        return self._sparse[1] @ V

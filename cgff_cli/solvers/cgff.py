@@ -76,8 +76,9 @@ class _Run:
         self.preconditioner = choose(mechanics, options)
         self.gauge = Gauge(mechanics)
         self.watch = Watch(options.tolerance, options.max_iterations)
-        self.evaluations = 0
-        self.state, self.g = self._at(X)
+        self.evaluations = 1
+        start = self.preconditioner.better_start(mechanics.at(X))
+        self.state, self.g = start, self.objective.gradient(start)
         self.escapes = 0
         self.last: _Direction | None = None
 

@@ -17,9 +17,6 @@ VANISHED = 16.0
 FAR = 1e12
 """Residual, against stiffness times size, that no shape within reach can have."""
 
-NEAR = 1e-6
-"""Residuals above this share of the stiffness are far above any rounding floor."""
-
 PATIENCE = 3
 """Iterations at the floor without halving the residual before it counts as reached."""
 
@@ -70,14 +67,15 @@ class Gauge:
         self.ends = np.concatenate((structure.start, structure.end))
         self.node_count = len(structure.coordinates)
         self.nodal_stiffness = self._per_node(structure.stiffness)
-        self.near = NEAR * float(self.nodal_stiffness.max())
+        self.largest_stiffness = float(self.nodal_stiffness.max())
         self.largest_load = float(np.abs(structure.loads).max())
 
     def measure(self, state: State) -> Balance:
-        """Return the balance of a state; the floor is left 0 while the residual is far above it."""
+        """Return the balance of a state; the floor is left 0 while the residual is above a bound on it."""
         residual = float(np.abs(state.free_eta).max())
         reference = max(float(np.abs(state.t).max()), self.largest_load)
-        if residual > self.near:
+        most = EPS * self.largest_stiffness * (float(np.abs(state.X).max()) + float(state.l.max()))
+        if residual > most and reference > VANISHED * most:
             return Balance(residual, reference, 0.0, False)
         floor = self.rounding_floor(state)
         if reference > VANISHED * floor:
