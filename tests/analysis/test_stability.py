@@ -129,6 +129,16 @@ def test_stable_by_stiffness_alone_is_not_super_stable(rigid):
     assert (found["stable"], found["super_stable"]) == (True, False)
 
 
+def test_a_part_without_stress_keeps_the_whole_from_being_super_stable():
+    # The crossed square, and a node that two struts at rest hold beside it: D knows nothing of that node.
+    square, side = crossed("cable", "strut"), 2.0**0.5
+    points = [*CORNERS, (1.0, -1.0)]
+    props = scene(points, [(4, 0, "strut", 100.0, side), (4, 1, "strut", 100.0, side)])
+    found = analysis(replace(props, groups=square.groups + props.groups))
+    assert (found["stable"], found["super_stable"]) == (True, False)
+    assert found["nullity_D"] == 4
+
+
 def test_an_unstable_equilibrium_is_not_super_stable():
     assert analysis(truss(0.0), objective="residual")["super_stable"] is False
 
