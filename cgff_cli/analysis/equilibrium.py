@@ -50,6 +50,10 @@ def analysed(scene: Scene, solution: Solution, options: SolveOptions) -> dict[st
         if solution.verdict.converged:
             found |= stability(state, rigid)
             found["super_stable"] = bool(found["stable"]) and is_super_stable(state, tolerance)
+    elif options.analysis == "auto" and solution.verdict.converged:
+        from cgff_cli.analysis.large import stability_of_large
+
+        found |= stability_of_large(state, options.factor)
     slack = np.flatnonzero(state.slack)
     pushed = np.flatnonzero(~state.mechanics.structure.tension_only & (state.t > 0.0))
     pulled = pushed[state.t[pushed] > 16.0 * solution.floor]

@@ -32,7 +32,8 @@ def rigid_motions(X: np.ndarray, free: np.ndarray) -> np.ndarray:
     if free.all():
         return motions
     held = motions[~free.reshape(-1)]
-    _, values, rows = np.linalg.svd(held, full_matrices=True)
+    held = np.concatenate((held, np.zeros_like(motions[: motions.shape[1]])))  # as many rows as motions
+    _, values, rows = np.linalg.svd(held, full_matrices=False)
     rank = int((values > FLAT).sum())
     return _orthonormal(motions @ rows[rank:].T)[free.reshape(-1)]
 

@@ -98,9 +98,20 @@ class SparseTangent(Shift):
         direction = self.mechanics.on_free(full)
         return direction / (np.linalg.norm(direction) * np.sign(direction.flat[np.abs(direction).argmax()]))
 
+    def kind_of_balance(self, state: State) -> str:
+        """Return "stable", "unstable" or "neutral" for a balanced state: the inertia of K either side of 0.
+
+        Rigid motions must be impossible, or pinned as those of a floating body are.
+        """
+        doubt = self._doubt(state) / float(self.S.min())
+        if self._factor(state, state.q, -doubt) is not None:
+            return "stable"
+        return "neutral" if self._factor(state, state.q, doubt) is not None else "unstable"
+
     def _doubt(self, state: State) -> float:
         """Return the size below which an eigenvalue of K has no sign."""
-        return 1e-14 * float(self.S.max()) + float(np.abs(state.free_eta).max())
+        size = float(np.abs(state.X).max()) or 1.0
+        return 1e-14 * float(self.S.max()) + float(np.abs(state.free_eta).max()) / size
 
     def _factor(self, state: State, q: np.ndarray, mu: float, definite: bool = False) -> Factor | None:
         extra = (mu * self.S)[:, None, None] * np.eye(state.X.shape[1])

@@ -1,0 +1,47 @@
+"""Stability of scenes too large for eigenvalues: by inertia, or by what a structure of cables cannot do."""
+
+from typing import Any
+
+import numpy as np
+
+from cgff_cli.mechanics.rigid import rigid_motions
+from cgff_cli.mechanics.state import State
+from cgff_cli.solvers.preconditioners.sparse import SparseTangent
+
+
+def stability_of_large(state: State, kind: str) -> dict[str, Any]:
+    """Return `stable` and `stability` of a balanced state, null where rigid motions blur the answer.
+
+    Cables alone: K is at least D, axis by axis, so that all is stable that taut cables tie to a support.
+    kind: the sparse factors to use, as in the solve option `factor`.
+    """
+    structure = state.mechanics.structure
+    if structure.tension_only.all():
+        found: str | None = "stable" if _is_all_tied(state) else "neutral"
+    elif _is_settled(state):
+        found = SparseTangent(state.mechanics, False, kind).kind_of_balance(state)
+    else:
+        found = None
+    return {"stable": None if found is None else found == "stable", "stability": found}
+
+
+def _is_settled(state: State) -> bool:
+    """Return whether rigid motions are either all idle, and pinned, or all impossible."""
+    mechanics = state.mechanics
+    if mechanics.all_free:
+        return not mechanics.has_loads
+    return rigid_motions(state.X, mechanics.structure.free).shape[1] == 0
+
+
+def _is_all_tied(state: State) -> bool:
+    """Return whether taut cables tie every free node to one that is held in every direction."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    structure = state.mechanics.structure
+    n = len(structure.coordinates)
+    taut = np.flatnonzero(state.t > 0.0)
+    joined = coo_array((np.ones(len(taut)), (structure.start[taut], structure.end[taut])), shape=(n, n))
+    parts, label = connected_components(joined, directed=False)
+    held = ~structure.free.any(axis=1)
+    return bool(np.bincount(label[held], minlength=parts).all())
