@@ -50,7 +50,9 @@ class SolveOptions:
     max_iterations: int = _whole(2000, "iterations after which to give up")
     seed: int = _whole(0, "seed of the tiny perturbation that frees coincident or symmetric starts")
     analysis: str = _choice(
-        "auto", ("auto", "always", "never"), "ranks and stability of the result; auto: in large scenes stability alone"
+        "auto",
+        ("auto", "always", "never"),
+        "ranks and stability of the result; auto: in large scenes stability alone",
     )
     alpha: float = _number(1.0, float("inf"), "table1: first step length")
     step_factor: float = _number(0.5, 1.0, "table1: b, the factor that shrinks (and 1/b grows) alpha")
