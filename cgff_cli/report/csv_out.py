@@ -3,11 +3,14 @@
 import csv
 import io
 import math
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from cgff_cli.report.columns import ELEMENT_COLUMNS, Block, element_blocks, node_blocks, node_columns
 from cgff_cli.report.result import Result
+
+_SPECIAL = re.compile('[,"\r\n]')
 
 
 def coordinates(result: Result) -> Iterator[str]:
@@ -34,7 +37,16 @@ def _text(header: Sequence[str], blocks: Iterable[Block]) -> Iterator[str]:
     yield _lines([header])
     for block in blocks:
         cells = [_cells(values) for values in block.values()]
-        yield _lines(zip(*cells, strict=True))
+        rows = zip(*cells, strict=True)
+        yield _lines(rows) if _needs_quotes(block) else "\n".join(map(",".join, rows)) + "\n"
+
+
+def _needs_quotes(block: Block) -> bool:
+    """Return whether csv must look at each cell; joining them is three times as fast."""
+    if len(block) < 2 or not all(block.values()):
+        return True  # an empty cell alone on its line is written as ""
+    texts = (values for values in block.values() if isinstance(values[0], str))
+    return any(_SPECIAL.search("".join(values)) for values in texts)
 
 
 def _lines(rows: Iterable[Iterable[Any]]) -> str:
@@ -43,18 +55,20 @@ def _lines(rows: Iterable[Iterable[Any]]) -> str:
     return buffer.getvalue()
 
 
-def _cells(values: list[Any]) -> list[Any]:
+def _cells(values: list[Any]) -> list[str]:
     kinds = set(map(type, values))
-    if kinds <= {str, int} or (kinds == {float} and all(map(math.isfinite, values))):
-        return values  # what csv writes as it should be, and most columns are
+    if kinds == {str}:
+        return values
+    if kinds == {float} and all(map(math.isfinite, values)):
+        return list(map(repr, values))
     return [_cell(value) for value in values]
 
 
-def _cell(value: Any) -> Any:
+def _cell(value: Any) -> str:
     if hasattr(value, "tolist"):  # numpy's scalars would be written as np.float64(...)
         value = value.tolist()
     if isinstance(value, bool):
         return "true" if value else "false"
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
+    if value is None or (isinstance(value, float) and not math.isfinite(value)):
+        return ""
+    return str(value)

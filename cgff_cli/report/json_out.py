@@ -7,7 +7,8 @@ and `line`, everything on one line, for JSON lines.
 import json
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from itertools import islice
+from itertools import chain, islice, repeat
+from json.encoder import encode_basestring
 from typing import Any, NamedTuple
 
 from cgff_cli.report.columns import Block, element_blocks, node_blocks
@@ -55,9 +56,11 @@ def elements(result: Result) -> Iterator[str]:
 def node_rows(result: Result) -> Iterator[str]:
     """Yield `"name": [x, y(, z)]` for every node."""
     for block in node_blocks(result):
-        columns = [_texts(values) for values in block.values()]
-        template = "%s: [" + ", ".join(["%s"] * (len(columns) - 1)) + "]"
-        yield from map(template.__mod__, zip(*columns, strict=True))
+        names, *axes = map(_texts, block.values())
+        parts: list[str | list[str]] = [names]
+        for before, axis in zip(chain([": ["], repeat(", ")), axes, strict=False):
+            parts += [before, axis]
+        yield from _joined([*parts, "]"])
 
 
 def element_rows(result: Result) -> Iterator[str]:
@@ -75,18 +78,27 @@ def encode(value: Any) -> str:
 
 
 def _records(block: Block) -> Iterator[str]:
-    template = "{" + ", ".join(f'"{name}": %s' for name in block) + "}"
-    columns = [_texts(values) for values in block.values()]
-    return map(template.__mod__, zip(*columns, strict=True))
+    """Return the objects of a block of elements."""
+    parts: list[str | list[str]] = []
+    for before, (name, values) in zip(chain("{", repeat(", ")), block.items(), strict=False):
+        parts.append(f'{before}"{name}": ')
+        parts.append(_texts(values))
+    return _joined([*parts, "}"])
+
+
+def _joined(parts: list[str | list[str]]) -> Iterator[str]:
+    """Return one text per row of columns (lists) and of what stands between them (text)."""
+    columns = (repeat(part) if isinstance(part, str) else part for part in parts)
+    return map("".join, zip(*columns, strict=False))  # a third of the time % takes
 
 
 def _texts(values: list[Any]) -> list[str]:
     """Return the JSON text of each value of a column; columns at once are twice as fast as rows."""
     first = values[0]
-    if first and values.count(first) == len(values):
+    if (first or first is False) and values.count(first) == len(values):  # no zeros: 0.0 equals -0.0
         return [encode(first)] * len(values)
     if isinstance(first, str):
-        return [_encode(value) for value in values]
+        return list(map(encode_basestring, values))
     return encode(values)[1:-1].split(", ")
 
 

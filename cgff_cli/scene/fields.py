@@ -6,7 +6,7 @@ None where it recorded a problem.
 
 import math
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from typing import Any
 
 import numpy as np
@@ -23,7 +23,7 @@ NAME_LENGTH = 256
 """Longest name; a YAML key may not be much longer."""
 
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
-_NUMBER_CHARACTERS = frozenset("0123456789+-.eE")
+_NUMBER_CHARACTERS = b"0123456789+-.eE"
 _NOT_FINITE = ("nan", "inf", "infinity")
 _NOT_IN_NAMES = "[^\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]"
 
@@ -79,13 +79,21 @@ def sizes_fit(numbers: np.ndarray, lower: str) -> bool:
     return bool(np.all((numbers >= TINY) | ((numbers == 0.0) & (lower == ">= 0"))))
 
 
-def text_numbers(texts: Collection[str]) -> np.ndarray | None:
+def text_numbers(texts: Sequence[str]) -> np.ndarray | None:
     """Return the numbers of many texts at once, or None where one is no number."""
-    if not _NUMBER_CHARACTERS.issuperset("".join(texts)):
-        return None
+    if texts and texts.count(texts[0]) == len(texts):
+        number = _each_number(texts[:1])
+        return None if number is None else np.full(len(texts), number[0])
+    return _each_number(texts)
+
+
+def _each_number(texts: Sequence[str]) -> np.ndarray | None:
+    """Return the numbers of texts that are not all alike, or None where one is no number."""
     try:
-        return np.array(list(map(float, texts)))
-    except ValueError:
+        if "".join(texts).encode().translate(None, _NUMBER_CHARACTERS):
+            return None
+        return np.fromiter(map(float, texts), float, len(texts))
+    except ValueError:  # also where a text holds half a character
         return None
 
 

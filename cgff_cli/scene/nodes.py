@@ -39,8 +39,10 @@ class Nodes:
 
     def look_up(self, names: Sequence[str]) -> np.ndarray | None:
         """Return the rows of many names at once, or None where one is not defined."""
-        rows = list(map(self.rows.get, names))
-        return None if None in rows else np.array(rows, dtype=np.intp)
+        try:
+            return np.fromiter(map(self.rows.__getitem__, names), np.intp, len(names))
+        except KeyError:
+            return None
 
     def row(self, findings: Findings, where: Where, value: object, at_key: bool = False) -> int | None:
         """Return the row of a node by its name, or record that there is none."""

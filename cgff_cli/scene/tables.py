@@ -33,6 +33,9 @@ class _Columns:
     def _even_out(self) -> None:
         table = self.table
         width = len(table.header)
+        if table.cells is not None:
+            self.by_name = {column: table.cells[i::width] for i, column in enumerate(table.header)}
+            return
         if set(map(len, table.rows)) != {width}:
             self.ragged = {i for i, row in enumerate(table.rows) if len(row) != width}
         for i in sorted(self.ragged):
@@ -44,7 +47,8 @@ class _Columns:
 
     def texts(self, column: str) -> list[str]:
         """Return the cells of a column without blanks around them."""
-        return list(map(str.strip, self.by_name[column]))
+        cells = self.by_name[column]
+        return list(map(str.strip, cells)) if self.table.blanks else cells
 
     def add(self, row: int, column: str, message: str) -> None:
         """Record a problem of a cell, unless its whole row has been reported."""
@@ -108,18 +112,26 @@ def read_nodes(table: Table) -> Nodes | None:
     if not columns.complete:
         return None
     names = columns.names("name")
-    first: dict[str, int] = {}
-    for row, name in enumerate(names):
-        if first.setdefault(name, row) != row and name:
-            line = table.place(first[name], 0)[0]
-            columns.add(row, "name", f"node {quoted(name)} is defined twice; first on line {line}")
+    rows = dict(zip(names, range(len(names)), strict=True))
+    table_rows: Sequence[int] = range(len(names))
+    if len(rows) < len(names):
+        table_rows = _first_rows(columns, names)
+        rows = {names[row]: i for i, row in enumerate(table_rows)}
     axes = NODE_COLUMNS[1 : len(table.header)]
     read = [columns.numbers(axis) for axis in axes]
     good = [column for column in read if column is not None]
     coordinates = np.column_stack(good) if table.sound and len(good) == len(axes) else None
-    table_rows = list(first.values())
-    rows = {name: row for row, name in enumerate(first)}
     return Nodes(rows, coordinates, len(axes), lambda row, text: columns.add(table_rows[row], "name", text))
+
+
+def _first_rows(columns: _Columns, names: list[str]) -> list[int]:
+    """Return where each name stands first, and record every name that stands again."""
+    first: dict[str, int] = {}
+    for row, name in enumerate(names):
+        if first.setdefault(name, row) != row and name:
+            line = columns.table.place(first[name], 0)[0]
+            columns.add(row, "name", f"node {quoted(name)} is defined twice; first on line {line}")
+    return list(first.values())
 
 
 def read_elements(
@@ -146,8 +158,8 @@ def read_elements(
 def _split(
     groups: list[str], kinds: list[str], pairs: np.ndarray, EA: np.ndarray, rest_length: np.ndarray
 ) -> list[Group]:
-    order: dict[str, int] = {}
-    codes = np.array([order.setdefault(group, len(order)) for group in groups])
+    order = {group: code for code, group in enumerate(dict.fromkeys(groups))}
+    codes = np.fromiter(map(order.__getitem__, groups), np.intp, len(groups))
     rows = np.argsort(codes, kind="stable")
     ends = np.cumsum(np.bincount(codes))[:-1]
     return [
@@ -157,11 +169,11 @@ def _split(
 
 
 def _rows(findings: Findings, columns: _Columns, column: str, nodes: Nodes | None) -> np.ndarray | None:
-    names = columns.names(column)
-    if nodes is None:
-        return None
-    rows = nodes.look_up(names)
+    rows = nodes.look_up(columns.texts(column)) if nodes else None
     if rows is None:
+        names = columns.names(column)
+        if nodes is None:
+            return None
         for row, name in enumerate(names):
             if name and name not in nodes.rows:
                 columns.add(row, column, nodes.undefined(findings, name))
@@ -170,6 +182,9 @@ def _rows(findings: Findings, columns: _Columns, column: str, nodes: Nodes | Non
 
 def _check_kinds(columns: _Columns, groups: list[str], kinds: list[str]) -> None:
     of_group: dict[str, str] = {}
+    uses = set(zip(groups, kinds, strict=True))
+    if len(uses) == len({group for group, _ in uses}) and {kind for _, kind in uses} <= set(KINDS):
+        return
     for row, (group, kind) in enumerate(zip(groups, kinds, strict=True)):
         if kind not in KINDS:
             columns.add(
@@ -197,6 +212,6 @@ def _check_header(table: Table, required: Collection[str], allowed: Collection[s
         first = table.header[0] if len(table.header) == 1 else ""
         hint = next((f"; cells are split by commas, not by {mark!r}" for mark in ";\t|" if mark in first), "")
         table.add(-1, 0, f"the first line must name the columns, missing: {', '.join(missing)}{hint}")
-    elif not table.rows:
+    elif table.empty:
         table.add(-1, 0, "the table has no rows")
     return table.sound
