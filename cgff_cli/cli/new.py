@@ -165,11 +165,12 @@ def _write(made: Made, output: str, tables: bool | None) -> None:
         raise click.UsageError(f"-o {output}: the name of a scene must end in .yaml or .yml")
     if streamed and tables:
         raise click.UsageError("--tables needs -o FILE.yaml, beside which the tables are written")
-    if streamed or not (made.scene.element_count > MANY if tables is None else tables):
+    tabled = not streamed and (made.scene.element_count > MANY if tables is None else tables)
+    files = {f"{stem}.nodes.csv": node_table, f"{stem}.elements.csv": element_table} if tabled else {}
+    _check_targets([*files] if streamed else [*files, output])
+    if not tabled:
         write_output(output, [to_yaml(made.scene, made.header)])
         return
-    files = {f"{stem}.nodes.csv": node_table, f"{stem}.elements.csv": element_table}
-    _check_targets([*files, output])
     for path, table in files.items():
         write_output(path, table(made.scene))
     nodes, elements = map(os.path.basename, files)

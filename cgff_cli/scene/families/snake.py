@@ -56,7 +56,7 @@ def equilibrium(
 def _sides(modules: int, length: float, width: float, bend: float) -> tuple[float, float]:
     """Return the inner and outer side of a module; its legs are width / cos(turn / 2) long."""
     change = width * tan(radians(bend) / modules / 2.0)
-    if change >= length:
+    if bend >= 180.0 * modules or change >= length:
         raise OptionError(
             f"modules of length {length:g} and width {width:g} cannot be bent by {bend:g} degrees"
         )
