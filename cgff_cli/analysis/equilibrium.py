@@ -42,6 +42,7 @@ def analysed(scene: Scene, solution: Solution, options: SolveOptions) -> dict[st
     """
     state = solution.state
     found: dict[str, Any] = dict(NOT_COMPUTED)
+    prestressed = bool(np.abs(state.t).max() > 16.0 * solution.floor)
     small = state.mechanics.connectivity.is_small and len(state.mechanics.dofs) <= SMALL
     if options.analysis == "always" or (options.analysis == "auto" and small):
         tolerance = rank_tolerance(solution.residual_max, solution.reference)
@@ -49,7 +50,9 @@ def analysed(scene: Scene, solution: Solution, options: SolveOptions) -> dict[st
         found |= rank_conditions(state, tolerance, rigid.shape[1])
         if solution.verdict.converged:
             found |= stability(state, rigid)
-            found["super_stable"] = bool(found["stable"]) and is_super_stable(state, tolerance)
+            found["super_stable"] = (
+                prestressed and found["stable"] is True and is_super_stable(state, tolerance)
+            )
     elif options.analysis == "auto" and solution.verdict.converged:
         from cgff_cli.analysis.large import stability_of_large
 
@@ -58,7 +61,7 @@ def analysed(scene: Scene, solution: Solution, options: SolveOptions) -> dict[st
     pushed = np.flatnonzero(~state.mechanics.structure.tension_only & (state.t > 0.0))
     pulled = pushed[state.t[pushed] > 16.0 * solution.floor]
     return found | {
-        "prestressed": bool(np.abs(state.t).max() > 16.0 * solution.floor),
+        "prestressed": prestressed,
         "slack_count": len(slack),
         "slack_cables": labels(scene, slack[:MOST_NAMED]),
         "struts_in_tension_count": len(pulled),

@@ -7,6 +7,8 @@ strut has `least` = -inf. Another elastic law would change `extensions`, `forces
 
 import numpy as np
 
+EPS = float(np.finfo(float).eps)
+
 TINY = 1e-100
 """Stands in for zero length where something is divided by a length."""
 

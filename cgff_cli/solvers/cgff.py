@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cgff_cli.mechanics.elements import EPS
 from cgff_cli.mechanics.norms import norm
 from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.options import SolveOptions
@@ -23,7 +24,7 @@ from cgff_cli.solvers.objectives import OBJECTIVES, Line
 from cgff_cli.solvers.preconditioners import choose
 from cgff_cli.solvers.scaling import Frame, centred_and_scaled
 from cgff_cli.solvers.solution import History, Observer, Solution, concluded
-from cgff_cli.solvers.stopping import EPS, Balance, Gauge, Verdict, Watch
+from cgff_cli.solvers.stopping import Balance, Gauge, Verdict, Watch
 from cgff_cli.structure import Structure
 
 LOST_CONJUGACY = 0.1
@@ -93,7 +94,7 @@ class _Run:
             if verdict is None and self._is_stationary():
                 return Verdict.ROUNDING_FLOOR if balance.at_floor else Verdict.STATIONARY
             if verdict is None:
-                taken = self._descend()
+                taken = self._descend(MAX_RESCUES if not balance.at_floor else 1)
                 verdict = Verdict.ROUNDING_FLOOR if balance.at_floor else Verdict.STEP_VANISHED
             else:
                 taken = self._escape() if verdict.converged else None
@@ -102,9 +103,9 @@ class _Run:
             move = taken
             iteration += 1
 
-    def _descend(self) -> "_Move | None":
+    def _descend(self, tries: int) -> "_Move | None":
         """Take one step of eq. (13); None when no direction gives one, however large the shift."""
-        for _ in range(MAX_RESCUES):
+        for _ in range(tries):
             self.preconditioner.refresh(self.state)
             d, cg_beta, restarted = self._direction()
             alpha = self._step(d)
@@ -146,6 +147,7 @@ class _Run:
         if not newton:
             line = self.objective.line(self.state, d)
             alpha = _parabola_step(line, goal.slope)
+            self.evaluations += 1
         there, g = self._at(self.state.X + alpha * d)
         change = self.objective.change(self.state, there)
         full = there, g
@@ -196,7 +198,7 @@ class _Run:
 
     def _record(self, iteration: int, balance: Balance, move: "_Move") -> None:
         frame, energy = self.frame, self.objective.name == "energy"
-        unit = frame.energy if energy else frame.force**2
+        unit = frame.energy if energy else frame.force * frame.force
         slope_unit = frame.force if energy else frame.force * frame.stiffness
         self.history.add(
             iteration,

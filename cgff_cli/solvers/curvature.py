@@ -41,10 +41,13 @@ def separated(structure: Structure, seed: int) -> tuple[np.ndarray, str | None]:
 def doubt(K: np.ndarray, state: State) -> float:
     """Return the size below which an eigenvalue of K has no sign.
 
-    Rounding blurs it, and the residual turns the zero stiffness of a rigid rotation into one of its size.
-    The structure is in units of its own size, so that forces and stiffnesses compare.
+    Rounding blurs it, and a force is known no better than the residual, so a force density no better than
+    the residual over the element's length.
     """
-    return 1e-14 * sqrt(len(K)) * norm(K) + 4.0 * norm(state.free_eta)
+    structure = state.mechanics.structure
+    sure = (structure.rest_lengths > 0.0) & (state.l > 0.0) & ~state.slack
+    shortest = float(state.l.min(initial=float("inf"), where=sure))
+    return 1e-14 * sqrt(len(K)) * norm(K) + 4.0 * norm(state.free_eta) / shortest
 
 
 def steepest_fall(state: State) -> np.ndarray | None:

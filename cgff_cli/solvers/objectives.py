@@ -1,8 +1,8 @@
 """What the loop minimises: the potential energy, or the paper's eq. (10), half the squared residual.
 
 An objective gives the value and gradient at a state, the change between two states, and a `Line`: change,
-slope and curvature along X + a d as functions of the step a. Changes are summed element by element, never
-taken as a difference of two totals, so they stay meaningful long after the totals agree.
+slope and curvature along X + a d as functions of the step a. Changes are summed element by element; `noise`
+says how far rounding blurs them.
 """
 
 from collections.abc import Callable
@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cgff_cli.mechanics.elements import TINY
+from cgff_cli.mechanics.elements import EPS, TINY
 from cgff_cli.mechanics.state import Mechanics, State
 
 
@@ -87,6 +87,9 @@ class Residual:
 
     def __init__(self, mechanics: Mechanics):
         self.mechanics = mechanics
+        structure = mechanics.structure
+        ends = np.concatenate((structure.start, structure.end))
+        self.largest_stiffness = float(np.bincount(ends, np.tile(structure.stiffness, 2)).max())
 
     def value(self, state: State) -> float:
         """Return f."""
@@ -112,8 +115,9 @@ class Residual:
         return trial
 
     def noise(self, state: State) -> float:
-        """Return the rounding error to expect in a change of f."""
-        return 1e-15 * self.value(state)
+        """Return the rounding error to expect in a change of f: that of each force, times the force."""
+        rounding = EPS * self.largest_stiffness * (float(np.abs(state.X).max()) + float(state.l.max()))
+        return rounding * float(np.abs(state.free_eta).sum())
 
 
 Objective = Energy | Residual

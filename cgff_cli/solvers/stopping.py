@@ -9,18 +9,17 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cgff_cli.mechanics.elements import EPS
 from cgff_cli.mechanics.state import Mechanics, State
 
 VANISHED = 16.0
 """Forces below this many rounding floors are taken for zero."""
 
-FAR = 1e12
+FAR = 1e100
 """Residual, against stiffness times size, that no shape within reach can have."""
 
 PATIENCE = 3
 """Iterations at the floor without halving the residual before it counts as reached."""
-
-EPS = float(np.finfo(float).eps)
 
 
 class Verdict(StrEnum):

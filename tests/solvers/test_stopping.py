@@ -83,13 +83,7 @@ def test_the_rounding_floor_bounds_the_rounding_of_the_forces_and_is_not_far_abo
     [
         pytest.param({"objective": "residual"}, id="residual"),
         pytest.param({"method": "table1"}, id="table1"),
-        pytest.param(
-            {"objective": "residual", "preconditioner": "none"},
-            id="residual, no preconditioner",
-            marks=pytest.mark.xfail(
-                strict=True, reason="the parabola's curvature at the start of each line is not counted"
-            ),
-        ),
+        pytest.param({"objective": "residual", "preconditioner": "none"}, id="residual, no preconditioner"),
     ],
 )
 @pytest.mark.parametrize("name", SHIPPED)

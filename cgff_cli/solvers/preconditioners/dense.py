@@ -50,10 +50,19 @@ class DenseTangent(Shift):
     def apply(self, g: np.ndarray) -> np.ndarray:
         """Return M^-1 g, (n, d)."""
         if self.dofs is None:
-            return np.linalg.solve(self.M, g.reshape(-1)).reshape(g.shape)
+            return self._solved(g.reshape(-1)).reshape(g.shape)
         z = np.zeros(g.size)
-        z[self.dofs] = np.linalg.solve(self.M, g.reshape(-1)[self.dofs])
+        z[self.dofs] = self._solved(g.reshape(-1)[self.dofs])
         return z.reshape(g.shape)
+
+    def _solved(self, b: np.ndarray) -> np.ndarray:
+        """Return M^-1 b, with more shift where M is singular to rounding though Cholesky accepted it."""
+        while True:
+            try:
+                return np.linalg.solve(self.M, b)
+            except np.linalg.LinAlgError:
+                self.mu *= 10.0
+                self._is_indefinite()
 
     def steepest_fall(self, state: State) -> np.ndarray | None:
         """Return a unit direction of negative stiffness, or None."""

@@ -12,6 +12,7 @@ a net is curved and take two to four times the iterations. The factors are kept 
 
 import numpy as np
 
+from cgff_cli.mechanics.elements import TINY
 from cgff_cli.mechanics.pattern import GraphPattern
 from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.solvers.factors import Factor, factory
@@ -20,6 +21,9 @@ from cgff_cli.solvers.objectives import Energy
 
 SLACK_SHARE = 1e-3
 """Stiffness that a slack cable keeps in M, so that a node held by slack cables has some."""
+
+MOST_RESTS = 4
+"""Repetitions of the force density start."""
 
 WINDOW = 8
 LEAST_PROGRESS = 0.1
@@ -45,33 +49,50 @@ class NodeFrames:
         self.factories = [factory(*parts, kind) for _ in range(d)]
         self.factors: list[Factor] = []
         self.shared: Factor | None = None
-        self.scale = 1.0
+        self.scale = self.shared_scale = 1.0
         self.frames = np.zeros((n, d, d))
         self.factorizations = 0
         self.is_spent = True
         self.progress: list[float] = []
 
     def better_start(self, state: State) -> State:
-        """Return the force density solution with q = k (Schek 1974) if its energy is lower, else `state`.
+        """Return the force density solution (Schek 1974) with q = k if its energy is lower, else `state`.
+
+        Where its lengths do not fit the rest lengths (they scatter more than the cables are strained) it is
+        repeated with q in proportion to l / l0, which pulls at what is too long.
 
         D_ff x_f = F - D_fc x_c, one factor for all coordinates. Loads would need force densities of the
         right size, not only proportion: their share of the shape is scaled to the least energy along it.
         The factor serves on as the one for the normals until the first renewal.
         """
+        q = self.mechanics.structure.stiffness
+        best = self._force_density_state(state, q)
+        for _ in range(MOST_RESTS):
+            ratio = best.l / self.mechanics.structure.rest_lengths.clip(TINY)
+            if float(ratio.std()) <= float(ratio.mean()) - 1.0:
+                break
+            q = q * ratio / float(ratio.mean())
+            found = self._force_density_state(state, q)
+            if found.energy >= best.energy:
+                break
+            best = found
+        return best if best.energy < state.energy else state
+
+    def _force_density_state(self, state: State, q: np.ndarray) -> State:
+        """Return the state at the force density solution with (b,) q, and keep its factor."""
         structure, connectivity = self.mechanics.structure, self.mechanics.connectivity
-        k = structure.stiffness
-        factor = self._factor(-1, k, k, -k)
+        factor = self._factor(-1, q, q, -q)
         held = np.where(structure.free, 0.0, state.X)
-        pull = connectivity.gather(k[:, None] * connectivity.differences(held))
+        pull = connectivity.gather(q[:, None] * connectivity.differences(held))
         found = self.mechanics.at(held + self._solved(factor, -pull))
-        if self.mechanics.has_loads:
-            energy = Energy(self.mechanics)
-            sag = self._solved(factor, structure.loads)
-            line = energy.line(found, sag)
-            goal = Goal(line(0.0).slope, energy.noise(found), FLAT)
-            found = self.mechanics.at(found.X + strong_wolfe(line, goal, 1.0).length * sag)
-        self.shared = factor
-        return found if found.energy < state.energy else state
+        self.shared, self.shared_scale = factor, float(q.sum())
+        if not self.mechanics.has_loads:
+            return found
+        energy = Energy(self.mechanics)
+        sag = self._solved(factor, structure.loads)
+        line = energy.line(found, sag)
+        goal = Goal(line(0.0).slope, energy.noise(found), FLAT)
+        return self.mechanics.at(found.X + strong_wolfe(line, goal, 1.0).length * sag)
 
     def refresh(self, state: State) -> None:
         """Set up frames and factors at a state if the present ones are spent."""
@@ -90,7 +111,7 @@ class NodeFrames:
             self.factors.append(self._factor(axis, (k - q) * uf**2 + q, (k - q) * ug**2 + q, across))
         if self.shared is not None:
             self.factors.append(self.shared)
-            self.scale = float(q.sum() / structure.stiffness.sum())
+            self.scale = float(q.sum()) / self.shared_scale
             self.shared = None
         self.is_spent = False
         self.progress = []
