@@ -10,6 +10,11 @@ from importlib import import_module
 import click
 
 from cgff_cli import __version__
+
+# Before numpy is imported: our arrays are too small or too sparse to gain from BLAS threads, which wait for
+# each other on a busy machine (a large net took up to twenty times as long) and may round differently.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 from cgff_cli.cli.common import errors_reported, word_options
 
 COMMANDS = {
