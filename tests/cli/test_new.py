@@ -46,8 +46,16 @@ def test_a_small_scene_is_one_file_and_a_large_one_keeps_tables_beside_it(run: R
     assert cgff_cli.load("large.yml").element_count == 2403
 
 
+def test_a_large_scene_is_one_file_on_standard_output_and_where_tables_are_refused(run: Run):
+    large = ("new", "tower", "--stages", "200")
+    assert run(*large, "--no-tables", "-o", "large.yaml").exit_code == 0
+    assert Path("large.yaml").read_text().count("\n") == run(*large).stdout.count("\n") > 600
+    assert not list(Path().glob("*.csv"))
+
+
 def test_tables_may_be_asked_for_and_refused(run: Run):
     assert run("new", "net", "--tables", "-o", "net.yaml").exit_code == 0
+    assert Path("net.nodes.csv").exists()
     tabled = cgff_cli.load("net.yaml")
     assert run("new", "net", "--no-tables", "-o", "whole.yaml").exit_code == 0
     whole = cgff_cli.load("whole.yaml")

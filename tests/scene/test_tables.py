@@ -81,6 +81,12 @@ def test_a_comma_in_quotes_belongs_to_the_name_and_counts_in_columns(scene_of):
         scene_of(nodes.replace("0.5", "half"), elements)
 
 
+def test_a_group_is_of_one_kind(scene_of):
+    with pytest.raises(cgff_cli.SceneError) as caught:
+        scene_of(elements=ELEMENTS.replace("ring,cable,2", "ring,strut,2"))
+    assert str(caught.value).endswith("elements.CSV:4:10: group 'ring' is of kind cable above, here strut")
+
+
 def test_one_wrong_cell_among_many_is_found_in_time(scene_of):
     count = 30_000
     nodes = "name,x,y\n" + "".join(f"n{i},{i},0\n" for i in range(count))
