@@ -10,7 +10,7 @@ from cgff_cli.solvers.preconditioners.sparse import SparseTangent
 
 
 def stability_of_large(state: State, kind: str) -> dict[str, Any]:
-    """Return `stable` and `stability` of a balanced state, null where rigid motions blur the answer.
+    """Return `stable` and `stability` of a balanced state, null where a rigid motion may be all that is soft.
 
     Cables alone: K is at least D, axis by axis, so that all is stable that taut cables tie to a support.
     kind: the sparse factors to use, as in the solve option `factor`.
@@ -18,10 +18,10 @@ def stability_of_large(state: State, kind: str) -> dict[str, Any]:
     structure = state.mechanics.structure
     if structure.tension_only.all():
         found: str | None = "stable" if _is_all_tied(state) else "neutral"
-    elif _is_settled(state):
-        found = SparseTangent(state.mechanics, False, kind).kind_of_balance(state)
     else:
-        found = None
+        found = SparseTangent(state.mechanics, False, kind).kind_of_balance(state)
+        if found == "neutral" and not _is_settled(state):
+            found = None
     return {"stable": None if found is None else found == "stable", "stability": found}
 
 

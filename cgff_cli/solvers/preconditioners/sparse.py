@@ -46,10 +46,10 @@ class SparseTangent(Shift):
         """Factor M anew unless the last factor still serves."""
         if self.factor is not None and self.keep:
             return
-        self.factor = self._factor(state, state.q, self.mu, definite=self.squared)
+        self.factor = self._factor(state, state.q, self.mu * self.S, definite=self.squared)
         q = np.maximum(state.q, 0.0)
         while self.factor is None:
-            self.factor = self._factor(state, q, self.mu)
+            self.factor = self._factor(state, q, self.mu * self.S)
             self.mu *= 1.0 if self.factor else 10.0
         self.R = all_motions(state.X) if self.is_afloat else None
 
@@ -83,7 +83,7 @@ class SparseTangent(Shift):
 
         K has no eigenvalue below -sigma when K + sigma has a Cholesky factor; sigma is raised from doubt.
         """
-        sigma = self._doubt(state) / float(self.S.max())
+        sigma = np.full_like(self.S, self._doubt(state))
         if self._factor(state, state.q, sigma) is not None:
             return None
         factor = None
@@ -101,9 +101,9 @@ class SparseTangent(Shift):
     def kind_of_balance(self, state: State) -> str:
         """Return "stable", "unstable" or "neutral" for a balanced state: the inertia of K either side of 0.
 
-        Rigid motions must be impossible, or pinned as those of a floating body are.
+        The rigid motions of a floating body are pinned; others that supports allow may be what is neutral.
         """
-        doubt = self._doubt(state) / float(self.S.min())
+        doubt = np.full_like(self.S, self._doubt(state))
         if self._factor(state, state.q, -doubt) is not None:
             return "stable"
         return "neutral" if self._factor(state, state.q, doubt) is not None else "unstable"
@@ -113,8 +113,11 @@ class SparseTangent(Shift):
         size = float(np.abs(state.X).max()) or 1.0
         return 1e-14 * float(self.S.max()) + float(np.abs(state.free_eta).max()) / size
 
-    def _factor(self, state: State, q: np.ndarray, mu: float, definite: bool = False) -> Factor | None:
-        extra = (mu * self.S)[:, None, None] * np.eye(state.X.shape[1])
+    def _factor(
+        self, state: State, q: np.ndarray, shift: np.ndarray, definite: bool = False
+    ) -> Factor | None:
+        """Return the factor of K with force densities q and a shift per node, pins included."""
+        extra = shift[:, None, None] * np.eye(state.X.shape[1])
         if self.is_afloat:
             for node, block in _pins(state.X):
                 extra[node] += float(self.S.mean()) * block
