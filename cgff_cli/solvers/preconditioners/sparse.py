@@ -88,7 +88,7 @@ class SparseTangent(Shift):
             return None
         factor = None
         while factor is None:
-            sigma *= 10.0
+            sigma = 10.0 * sigma
             factor = self._factor(state, state.q, sigma)
         z = np.cos(np.arange(self.pattern.size) ** 2.0)
         for _ in range(30):
