@@ -23,7 +23,7 @@ from cgff_cli.solvers.line_search import FLAT, FLAT_ENOUGH_FOR_NEWTON, Goal, str
 from cgff_cli.solvers.objectives import OBJECTIVES, Line
 from cgff_cli.solvers.preconditioners import choose
 from cgff_cli.solvers.scaling import Frame, centred_and_scaled
-from cgff_cli.solvers.solution import History, Observer, Solution, concluded
+from cgff_cli.solvers.solution import History, Observer, Solution, Watcher, concluded
 from cgff_cli.solvers.stopping import Balance, Gauge, Verdict, Watch
 from cgff_cli.structure import Structure
 
@@ -43,11 +43,16 @@ MAX_ESCAPES = 20
 """Unstable equilibria left behind along their negative stiffness before one is reported as such."""
 
 
-def form_find(structure: Structure, options: SolveOptions, observer: Observer | None = None) -> Solution:
+def form_find(
+    structure: Structure,
+    options: SolveOptions,
+    observer: Observer | None = None,
+    watcher: Watcher | None = None,
+) -> Solution:
     """Return the equilibrium found from the structure's start shape, or the best that was reached."""
     scaled, frame = centred_and_scaled(structure)
     X, warning = separated(scaled, options.seed)
-    run = _Run(Mechanics(scaled), X, frame, options, History(observer))
+    run = _Run(Mechanics(scaled), X, frame, options, History(observer), watcher)
     try:
         verdict = run.loop()
     except KeyboardInterrupt:
@@ -69,11 +74,17 @@ class _Run:
     """One run of the loop: where it is, what it remembers of the last direction, and its counts."""
 
     def __init__(
-        self, mechanics: Mechanics, X: np.ndarray, frame: Frame, options: SolveOptions, history: History
+        self,
+        mechanics: Mechanics,
+        X: np.ndarray,
+        frame: Frame,
+        options: SolveOptions,
+        history: History,
+        watcher: Watcher | None,
     ):
-        self.mechanics, self.frame, self.history = mechanics, frame, history
+        self.mechanics, self.frame, self.history, self.watcher = mechanics, frame, history, watcher
         self.objective = OBJECTIVES[options.objective](mechanics)
-        self.rule = RULES[options.cg_beta]
+        self.options, self.rule = options, RULES[options.cg_beta]
         self.preconditioner = choose(mechanics, options)
         self.gauge = Gauge(mechanics)
         self.watch = Watch(options.tolerance, options.max_iterations)
@@ -94,7 +105,7 @@ class _Run:
             if verdict is None and self._is_stationary():
                 return Verdict.ROUNDING_FLOOR if balance.at_floor else Verdict.STATIONARY
             if verdict is None:
-                taken = self._descend(MAX_RESCUES if not balance.at_floor else 1)
+                taken = self._descend(balance)
                 verdict = Verdict.ROUNDING_FLOOR if balance.at_floor else Verdict.STEP_VANISHED
             else:
                 taken = self._escape() if verdict.converged else None
@@ -103,12 +114,13 @@ class _Run:
             move = taken
             iteration += 1
 
-    def _descend(self, tries: int) -> "_Move | None":
+    def _descend(self, balance: Balance) -> "_Move | None":
         """Take one step of eq. (13); None when no direction gives one, however large the shift."""
-        for _ in range(tries):
+        excess = balance.residual / (self.options.tolerance * balance.reference)
+        for _ in range(1 if balance.at_floor else MAX_RESCUES):
             self.preconditioner.refresh(self.state)
             d, cg_beta, restarted = self._direction()
-            alpha = self._step(d)
+            alpha = self._step(d, excess)
             if alpha > 0.0:
                 return _Move(alpha * norm(d), alpha, cg_beta, restarted)
             self.preconditioner.stiffen()
@@ -132,7 +144,7 @@ class _Run:
         self.last = _Direction(g, z, d)
         return d, cg_beta, restarted
 
-    def _step(self, d: np.ndarray) -> float:
+    def _step(self, d: np.ndarray, excess: float) -> float:
         """Move along d by a strong Wolfe step and return its length, 0 for no move beyond rounding.
 
         The full step is tried at its own state, which is kept if it serves; only then is the line itself
@@ -164,7 +176,7 @@ class _Run:
         if alpha * norm(d) <= EPS * norm(self.state.X):
             return 0.0
         if alpha > 0.0:
-            self.preconditioner.adapt(alpha, shrinkage)
+            self.preconditioner.adapt(alpha, shrinkage, excess)
             self.state, self.g = there, g
         return alpha
 
@@ -211,6 +223,8 @@ class _Run:
             self.evaluations,
             move.restarted,
         )
+        if self.watcher is not None:
+            self.watcher(iteration, self.evaluations, self.state.X * frame.length)
 
 
 class _Direction(NamedTuple):

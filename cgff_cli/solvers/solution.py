@@ -13,6 +13,10 @@ from cgff_cli.solvers.stopping import Gauge, Verdict, sentence
 Observer = Callable[[dict[str, Any]], None]
 """Called once per iteration with that iteration's row of the history."""
 
+Watcher = Callable[[int, int, np.ndarray], None]
+"""Called once per iteration with its number, the evaluations so far, and the (n, d) shape about the
+centroid of the start, in the user's units; what it raises ends the run."""
+
 COLUMNS = (
     "iteration",
     "objective",

@@ -21,14 +21,19 @@ from cgff_cli.mechanics.state import Mechanics
 from cgff_cli.options import SolveOptions
 from cgff_cli.solvers.directions import fletcher_reeves
 from cgff_cli.solvers.objectives import Residual
-from cgff_cli.solvers.solution import History, Observer, Solution, concluded
+from cgff_cli.solvers.solution import History, Observer, Solution, Watcher, concluded
 from cgff_cli.solvers.stopping import Gauge, Verdict
 from cgff_cli.structure import Structure
 
 
-def form_find(structure: Structure, options: SolveOptions, observer: Observer | None = None) -> Solution:
+def form_find(
+    structure: Structure,
+    options: SolveOptions,
+    observer: Observer | None = None,
+    watcher: Watcher | None = None,
+) -> Solution:
     """Return where Table I ends from the structure's start shape, judged by the forces it leaves."""
-    run = _Run(Mechanics(structure), options, History(observer))
+    run = _Run(Mechanics(structure), options, History(observer), watcher)
     try:
         verdict = run.loop()
     except KeyboardInterrupt:
@@ -41,8 +46,10 @@ def form_find(structure: Structure, options: SolveOptions, observer: Observer | 
 
 
 class _Run:
-    def __init__(self, mechanics: Mechanics, options: SolveOptions, history: History):
-        self.mechanics, self.options, self.history = mechanics, options, history
+    def __init__(
+        self, mechanics: Mechanics, options: SolveOptions, history: History, watcher: Watcher | None
+    ):
+        self.mechanics, self.options, self.history, self.watcher = mechanics, options, history, watcher
         self.objective = Residual(mechanics)
         self.state = mechanics.at(mechanics.structure.coordinates)
         self.evaluations = 1
@@ -92,6 +99,10 @@ class _Run:
         residual = float(np.abs(self.state.free_eta).max())
         norm = float(np.linalg.norm(g))
         self.history.add(k, f, residual, norm, step, alpha, cg_beta, self.evaluations, False)
+        if self.watcher is not None:
+            self.watcher(
+                k, self.evaluations, self.state.X - self.mechanics.structure.coordinates.mean(axis=0)
+            )
 
 
 FLAT = 1e-9

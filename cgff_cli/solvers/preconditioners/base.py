@@ -28,8 +28,12 @@ class Preconditioner(Protocol):
     def apply(self, g: np.ndarray) -> np.ndarray:
         """Return M^-1 g, (n, d)."""
 
-    def adapt(self, alpha: float, shrinkage: float) -> None:
-        """Learn from an accepted step length and the ratio of gradient norms, new over old."""
+    def adapt(self, alpha: float, shrinkage: float, excess: float) -> None:
+        """Learn from an accepted step.
+
+        alpha: its length; shrinkage: ratio of gradient norms, new over old; excess: how many times the
+        residual was above its goal before the step.
+        """
 
     def stiffen(self) -> None:
         """Ask for shorter, safer steps after a failed one."""
@@ -55,7 +59,7 @@ class Identity:
         """Return g."""
         return g
 
-    def adapt(self, alpha: float, shrinkage: float) -> None:
+    def adapt(self, alpha: float, shrinkage: float, excess: float) -> None:
         """Do nothing."""
 
     def stiffen(self) -> None:
@@ -80,7 +84,7 @@ class Shift:
         """Return the state itself."""
         return state
 
-    def adapt(self, alpha: float, shrinkage: float) -> None:
+    def adapt(self, alpha: float, shrinkage: float, excess: float) -> None:
         """Lower mu after a long step, raise it after a short one."""
         if alpha > LONG_STEP:
             self.mu = max(self.mu * min(0.1, shrinkage), LEAST_SHIFT)

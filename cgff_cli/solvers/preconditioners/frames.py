@@ -10,6 +10,8 @@ with f, f' at an element's two nodes. Coordinate axes instead of local frames mi
 a net is curved and take two to four times the iterations. The factors are kept while they serve.
 """
 
+from math import log10
+
 import numpy as np
 
 from cgff_cli.mechanics.elements import TINY
@@ -25,9 +27,14 @@ SLACK_SHARE = 1e-3
 MOST_RESTS = 4
 """Repetitions of the force density start."""
 
-WINDOW = 8
-LEAST_PROGRESS = 0.1
-"""Renew when <g, z> has not fallen to this share over the window."""
+WINDOW = 6
+"""Iterations over which the rate of convergence is taken."""
+
+HOPED_RATE = 1.3
+"""Decades of <g, z> per iteration that new factors are first hoped to bring."""
+
+RENEWAL_COST = 10.0
+"""What renewing the factors costs, in iterations: about that at 10^4 to 10^6 nodes."""
 
 SHORT_STEP = 0.2
 """Renew after a step this short."""
@@ -54,6 +61,7 @@ class NodeFrames:
         self.factorizations = 0
         self.is_spent = True
         self.progress: list[float] = []
+        self.hope = HOPED_RATE
 
     def better_start(self, state: State) -> State:
         """Return the force density solution (Schek 1974) with q = k if its energy is lower, else `state`.
@@ -127,11 +135,20 @@ class NodeFrames:
         self.progress.append(float(np.vdot(g, z)))
         return z
 
-    def adapt(self, alpha: float, shrinkage: float) -> None:
-        """Renew the factors when steps are short or <g, z> falls too slowly."""
-        recent = self.progress[-1 - WINDOW :]
-        slow = len(recent) > WINDOW and recent[-1] > LEAST_PROGRESS * recent[0]
-        self.is_spent = slow or (alpha < SHORT_STEP and len(recent) > 1)
+    def adapt(self, alpha: float, shrinkage: float, excess: float) -> None:
+        """Renew the factors when steps are short, or when new ones are expected to pay.
+
+        At the present rate some number of iterations is left to go; at the rate that new factors are hoped
+        to bring it may be smaller by more than they cost. Hope follows experience after each renewal.
+        """
+        self.is_spent = alpha < SHORT_STEP and len(self.progress) > 1
+        if len(self.progress) <= WINDOW or self.is_spent:
+            return
+        rate = max(log10(self.progress[-1 - WINDOW] / self.progress[-1]) / WINDOW, 1e-3)
+        if len(self.progress) == WINDOW + 1:
+            self.hope = 0.5 * (self.hope + rate)
+        left = 2.0 * log10(max(excess, 1.0))
+        self.is_spent = left / rate > left / self.hope + RENEWAL_COST
 
     def stiffen(self) -> None:
         """Ask for new factors."""

@@ -67,9 +67,9 @@ class SparseTangent(Shift):
             flat -= self.R @ np.linalg.lstsq(self.R, flat, rcond=None)[0]
         return self.mechanics.on_free(full)
 
-    def adapt(self, alpha: float, shrinkage: float) -> None:
+    def adapt(self, alpha: float, shrinkage: float, excess: float) -> None:
         """Adapt mu, and decide whether the factor is kept for another step."""
-        super().adapt(alpha, shrinkage)
+        super().adapt(alpha, shrinkage, excess)
         thick = self.factor is not None and self.factor.fill > THIN * len(self.pattern.indices)
         self.keep = thick and shrinkage < GOOD_PROGRESS
 
@@ -83,7 +83,7 @@ class SparseTangent(Shift):
 
         K has no eigenvalue below -sigma when K + sigma has a Cholesky factor; sigma is raised from doubt.
         """
-        sigma = np.full_like(self.S, self._doubt(state))
+        sigma: np.ndarray = np.full(len(self.S), self._doubt(state))
         if self._factor(state, state.q, sigma) is not None:
             return None
         factor = None
