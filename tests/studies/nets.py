@@ -30,6 +30,11 @@ TUNED = {
     "options": {"SymmetricMode": True},
 }
 
+HEAD = (
+    f"{'side':>5} {'elements':>8} {'factor':8} {'verdict':10} {'iterations':>10} {'factors':>7} {'slack':>6}"
+    f" {'seconds':>8} {'linear':>7} {'ratio':>6} {'plain':>7} {'ratio':>6} {'GB':>5}"
+)
+
 
 def least_seconds(call, repeat):
     best = float("inf")
