@@ -16,6 +16,7 @@ def _turns(d: int) -> np.ndarray:
     return turns.reshape(d, -1)
 
 
+UNITS = {d: np.eye(d) for d in (2, 3)}
 TURNS = {d: _turns(d) for d in (2, 3)}
 
 FLAT = 1e-10
@@ -46,7 +47,7 @@ def all_motions(X: np.ndarray) -> np.ndarray:
     n, d = X.shape
     turns = (X @ TURNS[d]).reshape(n, d, -1)
     motions = np.empty((n, d, d + turns.shape[2]))
-    motions[:, :, :d] = np.eye(d) * (1.0 / sqrt(n))
+    motions[:, :, :d] = UNITS[d] * (1.0 / sqrt(n))
     np.multiply(turns, 1.0 / (norm(X) or 1.0), out=motions[:, :, d:])
     return motions.reshape(n * d, -1)
 

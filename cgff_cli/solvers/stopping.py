@@ -18,6 +18,9 @@ VANISHED = 16.0
 FAR = 1e100
 """Residual, against stiffness times size, that no shape within reach can have."""
 
+FAR_ABOVE = 1e4
+"""A residual this many times a rough bound on the floor needs no exact floor to compare with."""
+
 PATIENCE = 3
 """Iterations at the floor without halving the residual before it counts as reached."""
 
@@ -67,14 +70,15 @@ class Gauge:
         self.node_count = len(structure.coordinates)
         self.nodal_stiffness = self._per_node(structure.stiffness)
         self.largest_stiffness = float(self.nodal_stiffness.max())
+        size = float(np.abs(structure.coordinates).max()) + float(structure.rest_lengths.max())
+        self.far_above_floor = FAR_ABOVE * EPS * self.largest_stiffness * size
         self.largest_load = float(np.abs(structure.loads).max())
 
     def measure(self, state: State) -> Balance:
-        """Return the balance of a state; the floor is left 0 while the residual is above a bound on it."""
+        """Return the balance of a state; the floor is left 0 while the residual is far above it."""
         residual = float(np.abs(state.free_eta).max())
         reference = max(float(np.abs(state.t).max()), self.largest_load)
-        most = EPS * self.largest_stiffness * (float(np.abs(state.X).max()) + float(state.l.max()))
-        if residual > most and reference > VANISHED * most:
+        if residual > self.far_above_floor and reference > VANISHED * self.far_above_floor:
             return Balance(residual, reference, 0.0, False)
         floor = self.rounding_floor(state)
         if reference > VANISHED * floor:
