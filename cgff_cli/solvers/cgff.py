@@ -89,13 +89,16 @@ class _Run:
         self.gauge = Gauge(mechanics)
         self.watch = Watch(options.tolerance, options.max_iterations)
         self.evaluations = 1
-        start = self.preconditioner.better_start(mechanics.at(X))
-        self.state, self.g = start, self.objective.gradient(start)
+        self.state = mechanics.at(X)
+        self.g = self.objective.gradient(self.state)
         self.escapes = 0
         self.last: _Direction | None = None
 
     def loop(self) -> Verdict:
         """Iterate until a stopping test holds."""
+        start = self.preconditioner.better_start(self.state)
+        if start is not self.state:
+            self.state, self.g = start, self.objective.gradient(start)
         move = _Move(0.0, 0.0, 0.0, False)
         iteration = 0
         while True:
