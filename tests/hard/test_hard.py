@@ -13,7 +13,17 @@ import pytest
 
 from cgff_cli.structure import Structure
 from tests.bodies import forces_by_loop, tangent_by_complex_steps
-from tests.hard.cases import EPS, agrees, built, cases, imbalance, is_balanced, references, solved
+from tests.hard.cases import (
+    EPS,
+    MOST_ITERATIONS,
+    agrees,
+    built,
+    cases,
+    imbalance,
+    is_balanced,
+    references,
+    solved,
+)
 
 SMALL = 150
 """Free directions up to which second derivatives are taken one by one."""
@@ -46,6 +56,7 @@ def test_it_ends_as_it_must(case):
     assert outcome.share <= 1.0, over
     if outcome.result is None:
         return
+    assert not outcome.result.converged or outcome.result.counts["iterations"] <= MOST_ITERATIONS
     if "slack" in case.expect:
         assert outcome.result.analysis["slack_count"] == case.expect["slack"]
     if "warns" in case.expect:

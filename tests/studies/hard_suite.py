@@ -15,7 +15,7 @@ from pathlib import Path
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from tests.hard.cases import agrees, cases, imbalance, is_right, references, solved
+from tests.hard.cases import MOST_ITERATIONS, agrees, cases, imbalance, is_right, references, solved
 
 
 def source(case):
@@ -56,7 +56,11 @@ def main() -> None:
 def _reason(case, outcome, worst):
     if not agrees(outcome.word, case.expect["outcome"]):
         return f": {case.expect['outcome']} expected"
-    return f": {worst}" if worst and outcome.share > 1.0 else ""
+    if worst and outcome.share > 1.0:
+        return f": {worst}"
+    if outcome.result and outcome.result.converged and outcome.result.counts["iterations"] > MOST_ITERATIONS:
+        return ": iterations"
+    return ""
 
 
 def _short(value):
