@@ -52,7 +52,7 @@ def form_find(
     """Return the equilibrium found from the structure's start shape, or the best that was reached."""
     scaled, frame = centred_and_scaled(structure)
     X, warning = separated(scaled, options.seed)
-    run = _Run(Mechanics(scaled), X, frame, options, History(observer), watcher)
+    run = _Run(Mechanics(scaled), X, frame, options, History(observer, watcher))
     try:
         verdict = run.loop()
     except KeyboardInterrupt:
@@ -74,15 +74,9 @@ class _Run:
     """One run of the loop: where it is, what it remembers of the last direction, and its counts."""
 
     def __init__(
-        self,
-        mechanics: Mechanics,
-        X: np.ndarray,
-        frame: Frame,
-        options: SolveOptions,
-        history: History,
-        watcher: Watcher | None,
+        self, mechanics: Mechanics, X: np.ndarray, frame: Frame, options: SolveOptions, history: History
     ):
-        self.mechanics, self.frame, self.history, self.watcher = mechanics, frame, history, watcher
+        self.mechanics, self.frame, self.history = mechanics, frame, history
         self.objective = OBJECTIVES[options.objective](mechanics)
         self.options, self.rule = options, RULES[options.cg_beta]
         self.preconditioner = choose(mechanics, options)
@@ -226,8 +220,8 @@ class _Run:
             self.evaluations,
             move.restarted,
         )
-        if self.watcher is not None:
-            self.watcher(iteration, self.evaluations, self.state.X * frame.length)
+        if self.history.watcher is not None:
+            self.history.watcher(iteration, self.evaluations, self.state.X * frame.length)
 
 
 class _Direction(NamedTuple):

@@ -33,9 +33,9 @@ COLUMNS = (
 class History:
     """One row of numbers per iteration, row 0 the start; never a copy of the shape."""
 
-    def __init__(self, observer: Observer | None = None):
+    def __init__(self, observer: Observer | None = None, watcher: Watcher | None = None):
         self.rows: list[tuple[float, ...]] = []
-        self.observer = observer
+        self.observer, self.watcher = observer, watcher
 
     def add(self, *row: float) -> None:
         """Append one row, in the order of COLUMNS, and show it to the observer."""

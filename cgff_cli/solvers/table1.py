@@ -33,7 +33,7 @@ def form_find(
     watcher: Watcher | None = None,
 ) -> Solution:
     """Return where Table I ends from the structure's start shape, judged by the forces it leaves."""
-    run = _Run(Mechanics(structure), options, History(observer), watcher)
+    run = _Run(Mechanics(structure), options, History(observer, watcher))
     try:
         verdict = run.loop()
     except KeyboardInterrupt:
@@ -46,10 +46,8 @@ def form_find(
 
 
 class _Run:
-    def __init__(
-        self, mechanics: Mechanics, options: SolveOptions, history: History, watcher: Watcher | None
-    ):
-        self.mechanics, self.options, self.history, self.watcher = mechanics, options, history, watcher
+    def __init__(self, mechanics: Mechanics, options: SolveOptions, history: History):
+        self.mechanics, self.options, self.history = mechanics, options, history
         self.objective = Residual(mechanics)
         self.state = mechanics.at(mechanics.structure.coordinates)
         self.evaluations = 1
@@ -99,8 +97,8 @@ class _Run:
         residual = float(np.abs(self.state.free_eta).max())
         norm = float(np.linalg.norm(g))
         self.history.add(k, f, residual, norm, step, alpha, cg_beta, self.evaluations, False)
-        if self.watcher is not None:
-            self.watcher(
+        if self.history.watcher is not None:
+            self.history.watcher(
                 k, self.evaluations, self.state.X - self.mechanics.structure.coordinates.mean(axis=0)
             )
 
