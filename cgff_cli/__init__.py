@@ -18,6 +18,8 @@ _HOME = {
     "to_yaml": "cgff_cli.scene.write",
     "new": "cgff_cli.scene.new",
     "solve": "cgff_cli.pipeline",
+    "compare": "cgff_cli.comparison.compare",
+    "shipped": "cgff_cli.scene.shipped",
     "Scene": "cgff_cli.scene.scene",
     "Group": "cgff_cli.scene.scene",
     "Result": "cgff_cli.report.result",

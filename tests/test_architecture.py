@@ -18,6 +18,7 @@ ROOMS = (
     "solvers",
     "rivals",
     "analysis",
+    "comparison",
     "report",
     "pipeline",
     "cli",

@@ -1,6 +1,6 @@
 """The flags that several commands take: scenes, solve options, where output goes."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import click
@@ -39,20 +39,25 @@ def _number(value: Any) -> Any:
 
 def solve_options(function: Decorated) -> Decorated:
     """Add a flag for every solve option; one left out is None, so the scene's own value stands."""
-    for name, option in reversed(OPTIONS.items()):
-        rules = option.metadata
-        allowed = rules.get("allowed")
-        add = click.option(
-            f"--{name.replace('_', '-')}",
-            name,
-            cls=SectionOption,
-            section="Solve options",
-            type=click.Choice(allowed) if allowed else SolveNumber(),
-            metavar=None if allowed else ("N" if rules["type"] is int else "X"),
-            help=f"{_sentence(rules['help'])} Default: {option.default}.",
-        )
-        function = add(function)
+    for name in reversed(OPTIONS):
+        function = solve_option(name)(function)
     return function
+
+
+def solve_option(name: str, default: object = None) -> Callable[[Decorated], Decorated]:
+    """Return what adds the flag of one solve option; `default` is the command's own, where it has one."""
+    option = OPTIONS[name]
+    rules = option.metadata
+    allowed = rules.get("allowed")
+    return click.option(
+        f"--{name.replace('_', '-')}",
+        name,
+        cls=SectionOption,
+        section="Solve options",
+        type=click.Choice(allowed) if allowed else SolveNumber(),
+        metavar=None if allowed else ("N" if rules["type"] is int else "X"),
+        help=f"{_sentence(rules['help'])} Default: {option.default if default is None else default}.",
+    )
 
 
 def _sentence(text: str) -> str:

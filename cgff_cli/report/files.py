@@ -4,7 +4,8 @@ import io
 import os
 import stat
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 
 from cgff_cli.errors import CgffError
 
@@ -34,6 +35,19 @@ def write_output(path: str, chunks: Iterable[str]) -> None:
     except OSError as error:
         name = "standard output" if path == STDOUT else path
         raise CgffError(f"{name}: cannot be written: {error.strerror or error}") from error
+
+
+def write_bytes(path: str, data: bytes) -> None:
+    """Write a picture to a file, whole or not at all; raises CgffError when the system refuses."""
+    try:
+        if is_stream(path):
+            with open(path, "wb") as out:
+                out.write(data)
+        else:
+            with _in_place_once_complete(os.path.realpath(path)) as handle, open(handle, "wb") as out:
+                out.write(data)
+    except OSError as error:
+        raise CgffError(f"{path}: cannot be written: {error.strerror or error}") from error
 
 
 def is_stream(path: str) -> bool:
@@ -76,13 +90,22 @@ def _write_stdout(chunks: Iterable[str]) -> None:
 
 
 def _write_whole(target: str, chunks: Iterable[str]) -> None:
+    with (
+        _in_place_once_complete(target) as handle,
+        open(handle, "w", **_TEXT) as out,  # type: ignore[call-overload]
+    ):
+        out.writelines(chunks)
+
+
+@contextmanager
+def _in_place_once_complete(target: str) -> Iterator[int]:
+    """Give a handle of a new file, to be closed in the body, which takes the target's place after it."""
     check_target(target)
     part = os.path.join(os.path.dirname(target), f".cgff-{os.urandom(6).hex()}.part")
     # os.open, unlike the tempfile module, gives the new file the permissions umask asks for.
     handle = os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
     try:
-        with open(handle, "w", **_TEXT) as out:  # type: ignore[call-overload]
-            out.writelines(chunks)
+        yield handle
         if os.path.exists(target):
             os.chmod(part, stat.S_IMODE(os.stat(target).st_mode))
         os.replace(part, target)

@@ -47,6 +47,12 @@ def result_fields(result: Result) -> Iterator[tuple[str, Any]]:
             yield name, getattr(result, name)
 
 
+def array(records: Iterable[Mapping[str, Any]]) -> Iterator[str]:
+    """Yield an array of objects, one per line."""
+    yield from _rows(Rows("[]", map(encode, records)), ",", "\n", "\n  ")
+    yield "\n"
+
+
 def elements(result: Result) -> Iterator[str]:
     """Yield the array of element records, one per line."""
     yield from _rows(Rows("[]", element_rows(result)), ",", "\n", "\n  ")

@@ -22,6 +22,10 @@ VERDICTS = {
     "interrupted": ("interrupted", "yellow"),
     "bad scene": ("bad scene", "red"),
     "error": ("error", "red"),
+    "other_equilibrium": ("another equilibrium", "yellow"),
+    "gave_up": ("gave up", "red"),
+    "time_limit": ("time limit", "red"),
+    "failed": ("failed", "red"),
 }
 """Verdict -> how it is said, and its colour."""
 

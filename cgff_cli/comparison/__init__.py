@@ -1,0 +1,1 @@
+"""One scene by several methods, laid over each other and timed."""

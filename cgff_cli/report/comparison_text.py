@@ -1,0 +1,186 @@
+"""A comparison as a page for the terminal: what each method found, where it differs, how fast it came."""
+
+from collections.abc import Callable, Iterator, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from rich.console import RenderableType
+from rich.text import Text
+
+from cgff_cli.comparison.record import Comparison, Method
+from cgff_cli.report.table import FEW
+from cgff_cli.report.terminal import (
+    Column,
+    aligned,
+    clean,
+    duration,
+    fields,
+    number,
+    numbers,
+    rendered,
+    verdict_words,
+)
+
+ALIGNMENTS = {
+    "rigid": "nearest rigid motion, mirror image allowed",
+    "affine": "nearest affine map",
+    "none": "as it is",
+}
+"""How a method's shape was laid over CGFF's, in words."""
+
+
+def comparison_text(comparison: Comparison, *, terminal: bool, full: bool = False) -> str:
+    """Return the page.
+
+    terminal : colour it and wrap its sentences at the terminal's width
+    full     : list every node and element, however many, and lengths and force densities of all methods
+    """
+    return rendered(_page(comparison, full), terminal)
+
+
+def _page(comparison: Comparison, full: bool) -> Iterator[RenderableType]:
+    shown = [method for method in comparison.methods if method.nodes is not None]
+    yield Text.assemble((clean(comparison.source.name), "bold"), "  ", (_size(comparison), "dim"))
+    yield Text("")
+    yield from aligned(list(_outcomes(comparison.methods)))
+    yield Text("")
+    if len(shown) > 1:
+        yield from aligned(list(_differences(shown[1:])))
+        yield Text("")
+    if full or len(comparison.source.node_names) <= FEW:
+        yield from _coordinates(comparison, shown)
+    yield from _members(comparison, shown, full)
+    yield Text("iterations and time until the residual, over the largest force, is within", style="bold")
+    yield from aligned(list(_speed([(method.name, method.curve) for method in comparison.methods])))
+    yield Text("")
+    yield Text("and until the error in shape, over the structure's size, is within", style="bold")
+    yield from aligned(list(_speed([(method.name, method.shape_curve) for method in comparison.methods])))
+    yield Text("")
+    yield fields(_notes(comparison))
+
+
+def _size(comparison: Comparison) -> str:
+    source = comparison.source
+    return f"{len(source.node_names)} nodes, {source.element_count} elements, {clean(source.path)}"
+
+
+def _outcomes(methods: Sequence[Method]) -> Iterator[Column]:
+    verdicts = [verdict_words(method.verdict) for method in methods]
+    yield Column("method", [method.name for method in methods])
+    yield Column("verdict", [words for words, _ in verdicts], styles=[style for _, style in verdicts])
+    stable = {True: "stable", False: "not stable", None: "-"}
+    yield Column("stability", [stable[method.stable] for method in methods])
+    yield _column("residual", methods, "residual_relative", "{:.1e}".format)
+    yield _column("energy", methods, "energy", number)
+    yield _column("iterations", methods, "iterations", str)
+    yield _column("evaluations", methods, "evaluations", str)
+    yield _column("time", methods, "seconds", duration)
+
+
+def _differences(methods: Sequence[Method]) -> Iterator[Column]:
+    yield Column("against cgff", [method.name for method in methods])
+    yield Column("laid over it by", [ALIGNMENTS[method.alignment] for method in methods])
+    for title, name in (
+        ("nodes", "max_node_difference"),
+        ("lengths", "max_length_difference"),
+        ("force densities", "max_force_density_difference"),
+        ("all distances", "distance_matrix_difference"),
+    ):
+        yield _column(title, methods, name, "{:.1e}".format)
+
+
+def _column(title: str, methods: Sequence[Method], name: str, text: Callable[[Any], str]) -> Column:
+    return Column(title, [_cell(getattr(method, name), text) for method in methods], True)
+
+
+def _cell(value: Any, text: Callable[[Any], str]) -> str:
+    return "-" if value is None else text(value)
+
+
+def _coordinates(comparison: Comparison, shown: Sequence[Method]) -> Iterator[RenderableType]:
+    """Yield one table per axis: a row per node, a column per method."""
+    names = comparison.source.node_names
+    shapes = [np.array([(method.nodes or {})[name] for name in names]) for method in shown]
+    for k, axis in enumerate("xyz"[: comparison.source.dimension]):
+        columns = [
+            Column(method.name, numbers(X[:, k].tolist()), True)
+            for method, X in zip(shown, shapes, strict=True)
+        ]
+        yield from aligned([Column(axis, [clean(name) for name in names]), *columns])
+        yield Text("")
+
+
+def _members(comparison: Comparison, shown: Sequence[Method], full: bool) -> Iterator[RenderableType]:
+    """Yield force densities by group of the methods that have their own; in full, all of every element."""
+    if full:
+        yield from aligned([*_labels(comparison, "length"), *_values(shown, "lengths")])
+        yield Text("")
+        yield from aligned([*_labels(comparison, "force density"), *_values(shown, "force_densities")])
+        yield Text("")
+        return
+    own = [method for method in shown if method.name in ("cgff", "fdm", "schek")]
+    groups = comparison.source.groups
+    cuts = np.cumsum([0, *(len(group.EA) for group in groups)]).tolist()
+    columns = [
+        Column(method.name, [_span(method, slice(*rows)) for rows in pairwise(cuts)], True) for method in own
+    ]
+    yield from aligned([Column("force densities", [clean(group.name) for group in groups]), *columns])
+    yield Text("")
+
+
+def _labels(comparison: Comparison, title: str) -> Iterator[Column]:
+    source = comparison.source
+    ends = [pair for group in source.groups for pair in group.pairs.tolist()]
+    yield Column(title, [clean(group.name) for group in source.groups for _ in group.EA])
+    for which, end in enumerate(("start", "end")):
+        yield Column(end, [clean(source.node_names[pair[which]]) for pair in ends])
+
+
+def _values(shown: Sequence[Method], name: str) -> Iterator[Column]:
+    for method in shown:
+        yield Column(method.name, numbers(getattr(method, name)), True)
+
+
+def _span(method: Method, rows: slice) -> str:
+    """Return `least .. largest`, or one value where they look the same."""
+    values = (method.force_densities or [])[rows]
+    low, high = numbers([min(values), max(values)])
+    return high if low == high else f"{low} .. {high}"
+
+
+def _speed(curves: Sequence[tuple[str, Sequence[Any]]]) -> Iterator[Column]:
+    """Yield the tolerances, then a column of `iterations, time` per method."""
+    tolerances = next(curve for _, curve in curves if curve)
+    yield Column("within", [f"{point.tolerance:.0e}" for point in tolerances])
+    for name, curve in curves:
+        if curve:
+            yield Column(name, [_reached(point) for point in curve], True)
+
+
+def _reached(point: Any) -> str:
+    if point.seconds is None:
+        return "-"
+    time = f"{duration(point.seconds):>7}"
+    return time if point.iterations is None else f"{point.iterations}, {time}"
+
+
+def _notes(comparison: Comparison) -> Iterator[tuple[str, str]]:
+    """Yield what a method that did not simply converge has to say, and what the reference is."""
+    for method in comparison.methods:
+        if method.verdict != "converged":
+            yield method.name, clean(method.message)
+    if any(method.alignment == "affine" for method in comparison.methods):
+        yield (
+            "affine map",
+            "fdm knows neither EA nor rest lengths: its form, known up to an affine map, is fitted to cgff's "
+            "answer; its errors tell how near that can be brought, its time not how fast it finds the shape",
+        )
+    reference = comparison.reference
+    words = verdict_words(reference["verdict"])[0]
+    yield (
+        "reference",
+        f"shape errors are taken against cgff at its rounding floor: {words}, "
+        f"residual {reference['residual_relative']:.1e}",
+    )
+    yield "runs", f"{comparison.options['repeat']} of each method, taken in turn; times are medians"

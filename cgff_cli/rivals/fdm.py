@@ -1,0 +1,140 @@
+"""Form-finding from connectivity and signs alone (Estrada, Bungartz and Mohrdieck 2006).
+
+Start with q = +1 in cables and -1 in struts, the prototype, and repeat
+
+    D = rho^T diag(q) rho                        eq. (4); coordinates: the eigenvectors of its d + 1
+                                                 least eigenvalues, but for the constant one
+    U q = 0                                      eq. (3) of those coordinates; q: of its near null space,
+                                                 by SVD, the vector nearest the prototype
+
+until the d + 1 least eigenvalues of D vanish, eq. (5), and U has a null vector, eq. (6). "Least" with sign,
+so that D ends positive semidefinite: a super-stable form. The answer is known up to an affine map.
+
+A form that carries several states of self-stress, or none with all members alike, leaves a choice. Members
+of a class share one force density: first the scene's groups, then what connectivity and signs cannot tell
+apart, then every member on its own; the first of these that ends well is taken.
+"""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from cgff_cli.errors import CgffError
+from cgff_cli.mechanics.connectivity import Connectivity
+from cgff_cli.mechanics.equilibrium import equilibrium_matrix, force_density_matrix
+from cgff_cli.rivals.symmetry import member_classes
+from cgff_cli.rivals.task import End, Task
+
+VANISHED = 1e-13
+"""Eigenvalues of D, and singular values of U, are zero below this share of the largest."""
+
+NEAR = 10.0
+"""Singular vectors count as near null up to this multiple of the least singular value."""
+
+BLIND = 1e-6
+"""A singular vector whose share of the prototype is below this has no part in it."""
+
+MOST_ROUNDS = 500
+MOST_NODES = 1000
+MOST_NODES_FOR_CLASSES = 120
+
+
+class _Form(NamedTuple):
+    """What one choice of classes led to."""
+
+    X: np.ndarray
+    q: np.ndarray
+    fault: str
+
+
+def fdm(task: Task) -> End:
+    """Return a form of the task's connectivity and signs; raises CgffError where there is none."""
+    n, b = len(task.structure.coordinates), len(task.structure.start)
+    if max(n, b / 3) > MOST_NODES:
+        raise CgffError(f"its dense matrices are not made for more than {MOST_NODES} nodes, here {n}")
+    task.trace.start()
+    faults = []
+    rounds = 0
+    for name, classes in _classes(task):
+        for form in _rounds(task, classes):
+            rounds += 1
+            task.trace.add(rounds, rounds, form.X)
+        if not form.fault:
+            return End(form.X, "form_found", f"one force density per {name}", form.q)
+        faults.append(f"{form.fault} with one force density per {name}")
+    raise CgffError("; ".join(faults))
+
+
+def _classes(task: Task) -> Iterator[tuple[str, np.ndarray]]:
+    """Yield what to call a class, and the class of every member, (b,) int."""
+    structure = task.structure
+    b, n = len(structure.start), len(structure.coordinates)
+    yield "group", task.groups
+    if n <= MOST_NODES_FOR_CLASSES:
+        signs = _prototype(structure.tension_only)
+        yield "class of like members", member_classes(structure.start, structure.end, signs, n)
+    yield "member", np.arange(b)
+
+
+def _prototype(tension_only: np.ndarray) -> np.ndarray:
+    return np.where(tension_only, 1.0, -1.0)
+
+
+def _rounds(task: Task, classes: np.ndarray) -> Iterator[_Form]:
+    """Yield the form after every round; the last one's fault is empty if it is one."""
+    structure = task.structure
+    n, d = structure.coordinates.shape
+    rho = Connectivity(structure.start, structure.end, n).dense
+    prototype = _prototype(structure.tension_only)
+    spread = _spread(classes)
+    q = prototype
+    for _ in range(MOST_ROUNDS):
+        X, left = _coordinates(force_density_matrix(rho, q), d)
+        stresses = equilibrium_matrix(rho, rho @ X) @ spread
+        if left <= VANISHED:
+            yield _Form(X, q, _fault(X, rho, q, prototype, stresses))
+            return
+        yield _Form(X, q, f"{left:.0e} of the rank of D left after {MOST_ROUNDS} rounds")
+        q = spread @ _nearest(stresses, spread.T @ prototype)
+        q *= np.sqrt(len(q)) / np.linalg.norm(q)
+
+
+def _spread(classes: np.ndarray) -> np.ndarray:
+    """Return (b, c) with orthonormal columns: class values -> member values."""
+    spread = np.zeros((len(classes), int(classes.max()) + 1))
+    spread[np.arange(len(classes)), classes] = 1.0
+    return spread / np.sqrt(spread.sum(axis=0))
+
+
+def _coordinates(D: np.ndarray, d: int) -> tuple[np.ndarray, float]:
+    """Return (n, d) coordinates of unit spread and the largest of the d + 1 least eigenvalues, relative."""
+    values, vectors = np.linalg.eigh(D)
+    least = vectors[:, : d + 1]
+    left, _, _ = np.linalg.svd(least - least.mean(axis=0), full_matrices=False)
+    largest = float(np.abs(values).max()) or 1.0
+    return left[:, :d] * np.sqrt(len(D)), float(np.abs(values[: d + 1]).max()) / largest
+
+
+def _nearest(stresses: np.ndarray, prototype: np.ndarray) -> np.ndarray:
+    """Return the vector of the near null space that is nearest the prototype."""
+    _, singular, rows = np.linalg.svd(stresses)
+    sizes = np.zeros(len(rows))
+    sizes[: len(singular)] = singular
+    share = rows @ prototype
+    seen = np.abs(share) > BLIND * np.linalg.norm(prototype)
+    near = seen & (sizes <= max(NEAR * float(sizes[seen].min()), VANISHED * float(sizes.max())))
+    return np.asarray(rows[near].T @ share[near])
+
+
+def _fault(X: np.ndarray, rho: np.ndarray, q: np.ndarray, prototype: np.ndarray, stresses: np.ndarray) -> str:
+    """Return why a D of nullity d + 1 is no form after all, or nothing."""
+    lengths = np.linalg.norm(rho @ X, axis=1)
+    if (q * prototype <= 0.0).any():
+        return "some member has the wrong sign"
+    if lengths.min() <= 1e-6 * lengths.max():
+        return "the ends of some member coincide"
+    sizes = np.linalg.svd(stresses, compute_uv=False)
+    if len(sizes) == stresses.shape[1] and sizes[-1] > 1e-9 * sizes[0]:
+        return "no state of self-stress"
+    return ""

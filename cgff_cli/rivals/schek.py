@@ -1,0 +1,63 @@
+"""Linear force density method (Schek 1974) with supports, from CGFF's force densities.
+
+    D_ff x_f = F - D_fc x_c,    D = rho^T diag(q) rho, eq. (4), f free and c held, axis by axis
+
+With the q of an equilibrium it must give back that equilibrium's coordinates.
+"""
+
+import numpy as np
+
+from cgff_cli.errors import CgffError
+from cgff_cli.mechanics.connectivity import Connectivity
+from cgff_cli.mechanics.equilibrium import force_density_matrix
+from cgff_cli.rivals.task import End, Task
+
+SINGULAR = 1e-12
+"""A singular value of D_ff below this share of the largest force density leaves nodes without a place."""
+
+
+def schek(task: Task) -> End:
+    """Solve for the free coordinates in one linear step per axis; raises CgffError where none is unique."""
+    structure, q = task.local, task.reference.force_densities
+    if structure.free.all():
+        raise CgffError("no supports: the force density method needs held nodes")
+    connectivity = Connectivity(structure.start, structure.end, len(structure.coordinates))
+    task.trace.start()
+    D = _force_density_matrix(connectivity, q)
+    X = structure.coordinates.copy()
+    for axis in range(X.shape[1]):
+        f = np.flatnonzero(structure.free[:, axis])
+        c = np.flatnonzero(~structure.free[:, axis])
+        if len(f) and not len(c):
+            raise CgffError(f"no node is held along {'xyz'[axis]}")
+        D_ff, forces = D[f][:, f], structure.loads[f, axis] - D[f][:, c] @ X[c, axis]
+        X[f, axis] = _solved(D_ff, forces, SINGULAR * float(np.abs(q).max()))
+    task.trace.add(1, 1, X)
+    return End(X, "form_found", "by one linear solve per axis", q)
+
+
+def _force_density_matrix(connectivity: Connectivity, q: np.ndarray):  # type: ignore[no-untyped-def]
+    """Return D, (n, n), dense for a small structure and sparse for a large one."""
+    if connectivity.is_small:
+        return force_density_matrix(connectivity.dense, q)
+    from scipy.sparse import coo_array
+
+    start, end, n = connectivity.start, connectivity.end, connectivity.node_count
+    rows = np.concatenate((start, end, start, end))
+    columns = np.concatenate((start, end, end, start))
+    return coo_array((np.concatenate((q, q, -q, -q)), (rows, columns)), shape=(n, n)).tocsr()
+
+
+def _solved(D, forces: np.ndarray, least: float) -> np.ndarray:  # type: ignore[no-untyped-def]
+    """Return D^-1 forces; raises CgffError where D has singular values down to the least allowed."""
+    if isinstance(D, np.ndarray):
+        values = np.linalg.svd(D, compute_uv=False)
+        if len(values) and values[-1] <= least:
+            raise CgffError("the force densities hold some node nowhere: D_ff is singular")
+        return np.linalg.solve(D, forces)
+    from scipy.sparse.linalg import splu
+
+    try:
+        return np.asarray(splu(D.tocsc()).solve(forces))
+    except RuntimeError as error:
+        raise CgffError("the force densities hold some node nowhere: D_ff is singular") from error

@@ -1,0 +1,96 @@
+"""What a rival is given, and what it gives back."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from cgff_cli.mechanics.state import Mechanics, State
+from cgff_cli.options import SolveOptions
+from cgff_cli.rivals.trace import Trace
+from cgff_cli.solvers.scaling import Frame, centred_and_scaled
+from cgff_cli.structure import Structure
+
+
+class Reference(NamedTuple):
+    """CGFF's answer: the shape (n, d) about the centroid of the start, and force densities (b,)."""
+
+    X: np.ndarray
+    force_densities: np.ndarray
+
+
+class End(NamedTuple):
+    """Where a rival came to by itself.
+
+    X               : (n, d) shape about the centroid of the start
+    verdict         : how it ended, or "" to let the residual tell
+    message         : its own words on how it ended
+    force_densities : (b,) where it has its own, not those of the scene's EA and rest lengths
+    """
+
+    X: np.ndarray
+    verdict: str = ""
+    message: str = ""
+    force_densities: np.ndarray | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """One structure to form-find.
+
+    groups : (b,) int, the scene's group of every element
+    """
+
+    structure: Structure
+    groups: np.ndarray
+    options: SolveOptions
+    trace: Trace
+    reference: Reference
+
+    @cached_property
+    def local(self) -> Structure:
+        """The structure about the centroid of its start."""
+        return centred(self.structure)
+
+
+Rival = Callable[[Task], End]
+
+
+def centred(structure: Structure) -> Structure:
+    """Return a structure about the centroid of its start."""
+    X = structure.coordinates
+    return replace(structure, coordinates=X - X.mean(axis=0))
+
+
+class Unknowns:
+    """The free coordinates of a task as one vector, centred and scaled as CGFF does it.
+
+    Every rival so gets numbers of order one, and its absolute tolerances mean something.
+    """
+
+    def __init__(self, task: Task):
+        structure, frame = centred_and_scaled(task.structure)
+        self.mechanics = Mechanics(structure)
+        self.frame: Frame = frame
+        self.trace = task.trace
+        self.start: np.ndarray = structure.coordinates.reshape(-1)[self.mechanics.dofs]
+
+    def state(self, x: np.ndarray) -> State:
+        """Return the state at free coordinates x (m,)."""
+        X = self.mechanics.structure.coordinates.copy()
+        X.reshape(-1)[self.mechanics.dofs] = x
+        return self.mechanics.at(X)
+
+    def gradient(self, state: State) -> np.ndarray:
+        """Return minus the out-of-balance forces on the free coordinates, (m,)."""
+        return -state.eta.reshape(-1)[self.mechanics.dofs]
+
+    def shape(self, state: State) -> np.ndarray:
+        """Return a state's shape (n, d) in the user's units."""
+        return state.X * self.frame.length
+
+    def add(self, iterations: int | None, evaluations: int, state: State) -> None:
+        """Note a state in the trace."""
+        self.trace.add(iterations, evaluations, self.shape(state))
