@@ -213,7 +213,7 @@ def measured(
     size = float(np.ptp(result.coordinates, axis=0).max()) or longest
     strength = max(result.residual["reference_force"], float(np.abs(result.forces).max())) or 1.0
     stiffest = float(result.structure.stiffness.max())
-    left = max(result.residual["max"], result.residual["rounding_floor"])
+    left = float(result.options["tolerance"]) * strength + rounding(result)
     moved = expect.get("tolerance", SAME_LENGTH) * longest
     if reference.get("softest"):
         moved = max(moved, 4.0 * np.sqrt(result.coordinates.size) * left / float(reference["softest"]))
@@ -253,12 +253,22 @@ def _difference(values: np.ndarray, digits: list[str]) -> float:
     return float(np.abs(values - expected).max(initial=0.0))
 
 
+def rounding(result: "cgff_cli.Result") -> float:
+    """Return the rounding error of the largest nodal force about the middle of the structure."""
+    s, X = result.structure, result.solution.state.X
+    far = np.abs(X - X.mean(axis=0)).max(axis=1)
+    each = EPS * s.stiffness * (result.lengths + far[s.start] + far[s.end])
+    ends = np.concatenate((s.start, s.end))
+    return float(np.bincount(ends, np.concatenate((each, each))).max())
+
+
 def imbalance(result: "cgff_cli.Result") -> tuple[float, float]:
     """Return the largest out-of-balance force and its rounding error, by a loop over elements.
 
     Both relative to the largest element force or load, or k l where no force is more than rounding.
     """
     s, X = result.structure, result.solution.state.X
+    X = X - X.mean(axis=0)
     total = np.where(s.free, s.loads, 0.0)
     blur, strength, stiffest = np.zeros(len(X)), float(np.abs(s.loads).max()), 0.0
     for e, (i, j) in enumerate(zip(s.start.tolist(), s.end.tolist(), strict=True)):
