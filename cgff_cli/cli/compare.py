@@ -161,14 +161,8 @@ def _paper() -> list[str]:
 
 def _compared(scene: str, values: dict[str, Any]) -> "tuple[Comparison | None, ExitCode]":
     """Return the comparison of one scene, None where there is none, and an exit code."""
-    from cgff_cli.comparison.compare import compare
-
-    methods = [method for flag, (method, _) in RIVALS.items() if values[flag]] or ["fdm"]
-    options = given_solve_options({name: values[name] for name in SOLVE_OPTIONS})
     try:
-        comparison = compare(
-            scene, methods, repeat=values["repeat"], time_limit=values["time_limit"], **options
-        )
+        comparison = _found(scene, values)
     except Exception as error:
         return None, report_error(error)
     for warning in comparison.source.warnings:
@@ -178,6 +172,25 @@ def _compared(scene: str, values: dict[str, Any]) -> "tuple[Comparison | None, E
         return comparison, ExitCode.OK
     say(f"cgff: {title(scene)}: {own.verdict}: {own.message}")
     return comparison, ExitCode.NOT_CONVERGED
+
+
+def _found(scene: str, values: dict[str, Any]) -> "Comparison":
+    """Return the comparison of one scene, showing on a terminal which method is at work."""
+    from cgff_cli.comparison.compare import compare
+
+    options = given_solve_options({name: values[name] for name in SOLVE_OPTIONS})
+    options |= {"repeat": values["repeat"], "time_limit": values["time_limit"]}
+    options["methods"] = [method for flag, (method, _) in RIVALS.items() if values[flag]] or ["fdm"]
+    if wanted("quiet") or not sys.stderr.isatty():
+        return compare(scene, **options)
+    from cgff_cli.report.progress import Progress
+
+    with Progress(title(scene), delay=0.0) as progress:
+        return compare(
+            scene,
+            observer=lambda method, run: progress.show(f"{method}, run {run}"),
+            **options,
+        )
 
 
 def _form(output_format: str | None, path: str | None) -> str:

@@ -114,7 +114,7 @@ def _verdict(solution: Solution, ended: str, message: str, time_limit: float) ->
         )
     if ended == "time_limit":
         return ended, f"no equilibrium yet: stopped after {time_limit:g} s with {left}"
-    if ended == "max_iterations":
+    if ended == "max_iterations" and not message:
         return ended, f"no equilibrium yet: evaluation limit reached with {left}"
     if not ended or ended in CONVERGED:
         return "gave_up", f"no equilibrium: it ended by itself with {left}; {message}".rstrip("; ")

@@ -17,10 +17,10 @@ _REDRAW = 0.1
 class Progress:
     """An observer of a solve, to be used in a `with` block, which wipes the line when it ends."""
 
-    def __init__(self, title: str):
+    def __init__(self, title: str, delay: float = DELAY):
         self.title = title
         self.begun = perf_counter()
-        self.drawn = self.begun + DELAY - _REDRAW
+        self.drawn = self.begun + delay - _REDRAW
         self.live: Live | None = None
 
     def __enter__(self) -> "Progress":
@@ -34,20 +34,23 @@ class Progress:
 
     def __call__(self, row: Mapping[str, Any]) -> None:
         """Show a row of the history, ten times a second at most."""
+        self.show(f"iteration {row['iteration']}  residual {row['residual_max']:.2e}")
+
+    def show(self, words: str) -> None:
+        """Show words on what is going on, ten times a second at most."""
         now = perf_counter()
         if now - self.drawn < _REDRAW:
             return
         self.drawn = now
         if self.live is None:
             self.live = _started()
-        self.live.update(self._line(row, now), refresh=True)
+        self.live.update(self._line(words, now), refresh=True)
 
-    def _line(self, row: Mapping[str, Any], now: float) -> Any:
+    def _line(self, words: str, now: float) -> Any:
         from rich.text import Text
 
         from cgff_cli.report.terminal import clean, duration
 
-        words = f"iteration {row['iteration']}  residual {row['residual_max']:.2e}"
         return Text.assemble(  # a long path comes last, where it is cut off without harm
             (f"{words}  {duration(now - self.begun)}  ", "dim"),
             (clean(self.title), "bold"),

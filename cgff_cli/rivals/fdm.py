@@ -29,13 +29,16 @@ from cgff_cli.rivals.task import End, Task
 VANISHED = 1e-13
 """Eigenvalues of D, and singular values of U, are zero below this share of the largest."""
 
-NEAR = 10.0
+NEAR = 2.0
 """Singular vectors count as near null up to this multiple of the least singular value."""
 
 BLIND = 1e-6
 """A singular vector whose share of the prototype is below this has no part in it."""
 
-MOST_ROUNDS = 500
+TIED = 1e-9
+"""Eigenvalues that differ by less than this share of the largest tie."""
+
+MOST_ROUNDS = 200
 MOST_NODES = 1000
 MOST_NODES_FOR_CLASSES = 120
 
@@ -108,12 +111,17 @@ def _spread(classes: np.ndarray) -> np.ndarray:
 
 
 def _coordinates(D: np.ndarray, d: int) -> tuple[np.ndarray, float]:
-    """Return (n, d) coordinates of unit spread and the largest of the d + 1 least eigenvalues, relative."""
-    values, vectors = np.linalg.eigh(D)
-    least = vectors[:, : d + 1]
-    left, _, _ = np.linalg.svd(least - least.mean(axis=0), full_matrices=False)
-    largest = float(np.abs(values).max()) or 1.0
-    return left[:, :d] * np.sqrt(len(D)), float(np.abs(values[: d + 1]).max()) / largest
+    """Return (n, m) coordinates of unit spread and the largest of the d least eigenvalues, relative.
+
+    The constant vector, of eigenvalue 0, is set apart: where D has negative eigenvalues it need not be
+    among the d + 1 least. m is d, or more where eigenvalues tie with the last one taken: to pick among
+    their vectors would break a symmetry that the structure has.
+    """
+    n = len(D)
+    largest = float(np.abs(D).sum(axis=1).max())
+    values, vectors = np.linalg.eigh(D + 2.0 * largest / n)
+    count = int((values <= values[d - 1] + TIED * largest).sum())
+    return vectors[:, :count] * np.sqrt(n), float(np.abs(values[:d]).max()) / largest
 
 
 def _nearest(stresses: np.ndarray, prototype: np.ndarray) -> np.ndarray:

@@ -18,7 +18,8 @@ def member_classes(start: np.ndarray, end: np.ndarray, signs: np.ndarray, node_c
         colours = _refined(colours)
         found = int(colours.max()) + 1
         if found == count:
-            return np.unique(colours[np.minimum(start, end), np.maximum(start, end)], return_inverse=True)[1]
+            kinds = np.stack((colours[start, end], signs > 0.0))  # a cable and a strut may lie side by side
+            return np.unique(kinds, axis=1, return_inverse=True)[1].reshape(-1)
         count = found
 
 
