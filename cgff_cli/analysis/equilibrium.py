@@ -49,7 +49,7 @@ def analysed(scene: Scene, solution: Solution, options: SolveOptions) -> dict[st
         rigid = rigid_motions(state.X, state.mechanics.structure.free)
         found |= rank_conditions(state, tolerance, rigid.shape[1])
         if solution.verdict.converged:
-            found |= stability(state, rigid)
+            found |= stability(state, rigid, solution.floor)
             found["super_stable"] = (
                 prestressed and found["stable"] is True and is_super_stable(state, tolerance)
             )

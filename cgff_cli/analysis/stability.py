@@ -8,18 +8,21 @@ from cgff_cli.mechanics.equilibrium import force_density_matrix
 from cgff_cli.mechanics.norms import norm
 from cgff_cli.mechanics.state import State
 from cgff_cli.solvers.curvature import doubt
+from cgff_cli.solvers.stopping import VANISHED
 
 
-def stability(state: State, rigid: np.ndarray) -> dict[str, Any]:
+def stability(state: State, rigid: np.ndarray, floor: float) -> dict[str, Any]:
     """Return whether a balanced state is a strict minimum of the energy, apart from rigid motions.
 
     stability: "stable", "unstable", or "neutral" where the softest deformation has no stiffness beyond what
     rounding and the remaining residual explain; smallest_stiffness: that stiffness, force per length.
     rigid: (m, r) orthonormal rigid motions of the m free directions, as from `rigid_motions`. Those that
     the structure resists count: a pendulum is stable hanging and unstable upright, and on a line a rotation
-    that rounding makes is not idle.
+    that rounding makes is not idle. A cable whose force is within rounding (floor) of none resists nothing:
+    it may be shortened for free.
     """
-    K = state.dense_tangent()
+    idle = state.mechanics.structure.tension_only & (state.t <= VANISHED * floor)
+    K = state.dense_tangent(k=np.where(idle, 0.0, state.active_stiffness))
     stiffest = norm(K)
     unsure = doubt(K, state)
     rigid = _idle(K, rigid, unsure)

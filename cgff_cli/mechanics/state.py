@@ -79,13 +79,14 @@ class State:
         connectivity = self.mechanics.connectivity
         return self.mechanics.on_free(tangent.times(connectivity, self.u, self.active_stiffness, self.q, W))
 
-    def dense_tangent(self, q: np.ndarray | None = None) -> np.ndarray:
+    def dense_tangent(self, q: np.ndarray | None = None, k: np.ndarray | None = None) -> np.ndarray:
         """Return K over the free directions as a dense matrix, a fresh one each time.
 
-        q: (b,) force densities to use in place of the state's own.
+        q, k: (b,) force densities and stiffnesses to use in place of the state's own.
         """
         q = self.q if q is None else q
-        K = tangent.dense(self.mechanics.connectivity.dense, self.u, self.active_stiffness, q)
+        k = self.active_stiffness if k is None else k
+        K = tangent.dense(self.mechanics.connectivity.dense, self.u, k, q)
         if self.mechanics.all_free:
             return K
         return K[np.ix_(self.mechanics.dofs, self.mechanics.dofs)]

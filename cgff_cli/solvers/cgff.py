@@ -9,7 +9,6 @@ search, stopping test, restarts.
 """
 
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -20,9 +19,11 @@ from cgff_cli.options import SolveOptions
 from cgff_cli.solvers.curvature import farthest_fall, separated
 from cgff_cli.solvers.directions import RULES
 from cgff_cli.solvers.line_search import FLAT, FLAT_ENOUGH_FOR_NEWTON, Goal, strong_wolfe
+from cgff_cli.solvers.moves import Direction, Move, parabola_step
 from cgff_cli.solvers.objectives import OBJECTIVES, Line
 from cgff_cli.solvers.preconditioners import choose
 from cgff_cli.solvers.scaling import Frame, centred_and_scaled
+from cgff_cli.solvers.softening import LOOSE, MOST_DETOURS, STAGE_LIMIT, WAIT, softened
 from cgff_cli.solvers.solution import History, Observer, Solution, Watcher, concluded
 from cgff_cli.solvers.stopping import Balance, Gauge, Verdict, Watch
 from cgff_cli.structure import Structure
@@ -85,15 +86,15 @@ class _Run:
         self.evaluations = 1
         self.state = mechanics.at(X)
         self.g = self.objective.gradient(self.state)
-        self.escapes = 0
-        self.last: _Direction | None = None
+        self.escapes = self.detours = 0
+        self.last: Direction | None = None
 
     def loop(self) -> Verdict:
         """Iterate until a stopping test holds."""
         start = self.preconditioner.better_start(self.state)
         if start is not self.state:
             self.state, self.g = start, self.objective.gradient(start)
-        move = _Move(0.0, 0.0, 0.0, False)
+        move = Move(0.0, 0.0, 0.0, False)
         iteration = 0
         while True:
             balance = self.gauge.measure(self.state)
@@ -102,7 +103,7 @@ class _Run:
             if verdict is None and self._is_stationary():
                 return Verdict.ROUNDING_FLOOR if balance.at_floor else Verdict.STATIONARY
             if verdict is None:
-                taken = self._descend(balance)
+                taken = self._detour() or self._descend(balance)
                 verdict = Verdict.ROUNDING_FLOOR if balance.at_floor else Verdict.STEP_VANISHED
             else:
                 taken = self._escape() if verdict.converged else None
@@ -111,7 +112,7 @@ class _Run:
             move = taken
             iteration += 1
 
-    def _descend(self, balance: Balance) -> "_Move | None":
+    def _descend(self, balance: Balance) -> Move | None:
         """Take one step of eq. (13); None when no direction gives one, however large the shift."""
         excess = balance.residual / (self.options.tolerance * balance.reference)
         for _ in range(1 if balance.at_floor else MAX_RESCUES):
@@ -119,7 +120,7 @@ class _Run:
             d, cg_beta, restarted = self._direction()
             alpha = self._step(d, excess)
             if alpha > 0.0:
-                return _Move(alpha * norm(d), alpha, cg_beta, restarted)
+                return Move(alpha * norm(d), alpha, cg_beta, restarted)
             self.preconditioner.stiffen()
             self.last = None
         return None
@@ -138,7 +139,7 @@ class _Run:
                 restarted = float(np.vdot(g, d)) > -DOWNHILL * gz
             if restarted:
                 d, cg_beta = -z, 0.0
-        self.last = _Direction(g, z, d)
+        self.last = Direction(g, z, d)
         return d, cg_beta, restarted
 
     def _step(self, d: np.ndarray, excess: float) -> float:
@@ -155,7 +156,7 @@ class _Run:
         alpha = 1.0
         if not newton:
             line = self.objective.line(self.state, d)
-            alpha = _parabola_step(line, goal.slope)
+            alpha = parabola_step(line, goal.slope)
             self.evaluations += 1
         there, g = self._at(self.state.X + alpha * d)
         change = self.objective.change(self.state, there)
@@ -183,7 +184,7 @@ class _Run:
         state = self.mechanics.at(X)
         return state, self.objective.gradient(state)
 
-    def _escape(self) -> "_Move | None":
+    def _escape(self) -> Move | None:
         """Leave an unstable equilibrium along its most negative stiffness; None if it is a minimum."""
         if self.objective.name != "energy" or self.escapes >= MAX_ESCAPES:
             return None
@@ -194,9 +195,34 @@ class _Run:
         if alpha == 0.0:
             return None
         self.escapes += 1
-        self.last = None
-        self.state, self.g = self._at(self.state.X + alpha * d)
-        return _Move(abs(alpha), alpha, 0.0, True)
+        (self.state, self.g), self.last = self._at(self.state.X + alpha * d), None
+        return Move(abs(alpha), alpha, 0.0, True)
+
+    def _detour(self) -> Move | None:
+        """Pass a narrow valley by way of softer structures; None where there is no need.
+
+        The energy may rise: a stretch too small to see costs more than all the loads can do.
+        """
+        stuck = self.watch.waited >= WAIT and self.options.preconditioner != "none"
+        if not stuck or self.objective.name != "energy" or self.detours >= MOST_DETOURS:
+            return None
+        self.detours += 1
+        self.watch.waited = 0
+        X = self.state.X
+        options = replace(self.options, tolerance=LOOSE, max_iterations=STAGE_LIMIT)
+        for softer in softened(self.mechanics.structure):
+            stage = _Run(Mechanics(softer), X, self.frame, options, History())
+            stage.detours = MOST_DETOURS
+            stage.loop()
+            X = stage.state.X
+            self.evaluations += stage.evaluations
+            self.preconditioner.factorizations += stage.preconditioner.factorizations
+        if X is self.state.X:
+            return None
+        step = norm(X - self.state.X)
+        (self.state, self.g), self.last = self._at(X), None
+        self.preconditioner.stiffen()
+        return Move(step, 0.0, 0.0, True)
 
     def _is_stationary(self) -> bool:
         """True where eq. (10) is stationary though forces do not balance: K eta = 0 with eta not 0."""
@@ -205,7 +231,7 @@ class _Run:
         force = float(np.abs(self.state.free_eta).max()) * float(self.gauge.nodal_stiffness.max())
         return float(np.abs(self.g).max()) <= STATIONARY * force
 
-    def _record(self, iteration: int, balance: Balance, move: "_Move") -> None:
+    def _record(self, iteration: int, balance: Balance, move: Move) -> None:
         frame, energy = self.frame, self.objective.name == "energy"
         unit = frame.energy if energy else frame.force * frame.force
         slope_unit = frame.force if energy else frame.force * frame.stiffness
@@ -222,26 +248,3 @@ class _Run:
         )
         if self.history.watcher is not None:
             self.history.watcher(iteration, self.evaluations, self.state.X * frame.length)
-
-
-class _Direction(NamedTuple):
-    """What a beta rule needs of the last iteration."""
-
-    g: np.ndarray
-    z: np.ndarray
-    d: np.ndarray
-
-
-class _Move(NamedTuple):
-    """One step taken, for the history."""
-
-    step_norm: float
-    alpha: float
-    cg_beta: float
-    restarted: bool
-
-
-def _parabola_step(line: Line, slope: float) -> float:
-    """Return the step to the minimum of the parabola with the line's slope and curvature at 0."""
-    curvature = line(0.0).curvature
-    return -slope / curvature if curvature > 0.0 else 1.0

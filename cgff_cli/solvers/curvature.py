@@ -73,11 +73,17 @@ def steepest_fall(state: State) -> np.ndarray | None:
     return direction.reshape(state.X.shape)
 
 
-def farthest_fall(line: Line, first: float = 1e-3) -> float:
-    """Return the step along a direction of negative curvature, of either sign, that falls most; 0 if none.
+FIRST_FALLS = (1e-3, 1e-4, 1e-5, 1e-6)
+"""First steps to try away from an unstable equilibrium: a stiff element beside it hides longer falls."""
 
-    The step grows fourfold while the objective keeps falling.
-    """
+
+def farthest_fall(line: Line) -> float:
+    """Return the step along a direction of negative curvature, of either sign, that falls most; 0 if none."""
+    return next((step for first in FIRST_FALLS if (step := _fall_from(line, first)) != 0.0), 0.0)
+
+
+def _fall_from(line: Line, first: float) -> float:
+    """Return the step that falls most, growing fourfold from `first` while the objective keeps falling."""
     best, best_change = 0.0, 0.0
     for sign in (1.0, -1.0):
         a = sign * first

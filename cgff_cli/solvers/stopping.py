@@ -81,7 +81,7 @@ class Gauge:
         if residual > self.far_above_floor and reference > VANISHED * self.far_above_floor:
             return Balance(residual, reference, 0.0, False)
         floor = self.rounding_floor(state)
-        if reference > VANISHED * floor:
+        if reference > VANISHED * floor or self.largest_load > 0.0:  # a load is exact, however small
             return Balance(residual, reference, floor, False)
         return Balance(residual, float((self.mechanics.structure.stiffness * state.l).max()), floor, True)
 
