@@ -16,9 +16,13 @@ import cgff_cli
 from cgff_cli.analysis.equilibrium import SMALL
 from cgff_cli.cli import COMMANDS, main
 from cgff_cli.cli.common import ExitCode
+from cgff_cli.cli.compare import RIVALS
+from cgff_cli.comparison.runs import EVALUATIONS_PER_ITERATION
 from cgff_cli.mechanics.connectivity import DENSE_ENTRIES
 from cgff_cli.options import OPTIONS
 from cgff_cli.report.result import FIELDS
+from cgff_cli.rivals.registry import REGISTRY
+from cgff_cli.rivals.scipy_solvers import MOST_DENSE
 from cgff_cli.solvers.solution import COLUMNS
 from cgff_cli.solvers.stopping import Verdict
 
@@ -208,6 +212,15 @@ def test_the_fields_of_the_analysis_are_those_of_the_program():
     assert f"more than {SMALL}\nfree directions or {DENSE_ENTRIES // 1000} 000 entries" in TEXT
 
 
+def test_the_methods_of_a_comparison_are_those_of_the_program():
+    table = rows("Comparison")
+    assert {name for row in table for name in code_in(row[1])} == set(REGISTRY)
+    flags = {row[0].strip("`"): code_in(row[1]) for row in table if row[0]}
+    assert flags == {f"--{flag}": [name] if name != "all" else [] for flag, (name, _) in RIVALS.items()}
+    assert f"up to {MOST_DENSE} unknowns" in TEXT
+    assert f"take {EVALUATIONS_PER_ITERATION} evaluations for each" in TEXT
+
+
 def test_the_verdicts_are_those_of_the_program():
     assert [code_in(row[0])[0] for row in rows("Verdicts")] == list(Verdict)
 
@@ -222,7 +235,7 @@ def test_every_flag_named_exists():
     flags = {flag for command in commands if command for option in command.params for flag in option.opts}
     flags |= {"--help", *(flag for row in rows("Measured") for flag in re.findall(r"--[\w-]+", row[-1]))}
     console = [text.partition("\n")[0] for text in CONSOLE]
-    named = {flag for text in (TEXT, *console) for flag in re.findall(r"(?<![\w-])--[a-z][a-z-]*", text)}
+    named = {flag for text in (TEXT, *console) for flag in re.findall(r"(?<![\w-])--[a-z][a-z0-9-]*", text)}
     assert {"--tolerance", "--out-dir"} <= named <= flags
 
 
