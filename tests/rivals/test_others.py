@@ -68,11 +68,15 @@ def test_table_1_ends_without_equilibrium(compared, name):
     assert (method.verdict, method.converged, method.stable) == ("step_vanished", False, None)
 
 
-def test_fsolve_finds_the_prism_and_says_where_it_finds_nothing(compared):
-    assert of(compared("prism"), "fsolve").verdict == "converged"
-    lost = of(compared("octahedron"), "fsolve")
-    assert (lost.verdict, lost.converged) == ("gave_up", False)
-    assert "not making good progress" in lost.message
+@pytest.mark.parametrize("name", SHIPPED)
+def test_fsolve_balances_the_forces_or_says_how_it_ended(compared, name):
+    # Which of the two is up to rounding: the Jacobian of a free body is singular.
+    method = of(compared(name), "fsolve")
+    if method.converged:
+        assert method.residual_relative <= 1e-12
+    else:
+        assert method.verdict == "gave_up"
+        assert method.message.startswith("no equilibrium: it ended by itself with out-of-balance force ")
 
 
 def test_schek_gives_back_the_coordinates_of_cgff(compared):
