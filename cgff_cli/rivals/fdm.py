@@ -93,7 +93,7 @@ def _rounds(task: Task, classes: np.ndarray) -> Iterator[_Form]:
     spread = _spread(classes)
     q = prototype
     for _ in range(MOST_ROUNDS):
-        X, left = _coordinates(force_density_matrix(rho, q), d)
+        X, left = coordinates(force_density_matrix(rho, q), d)
         stresses = equilibrium_matrix(rho, rho @ X) @ spread
         if left <= VANISHED:
             yield _Form(X, q, _fault(X, rho, q, prototype, stresses))
@@ -110,7 +110,7 @@ def _spread(classes: np.ndarray) -> np.ndarray:
     return spread / np.sqrt(spread.sum(axis=0))
 
 
-def _coordinates(D: np.ndarray, d: int) -> tuple[np.ndarray, float]:
+def coordinates(D: np.ndarray, d: int) -> tuple[np.ndarray, float]:
     """Return (n, m) coordinates of unit spread and the largest of the d least eigenvalues, relative.
 
     The constant vector, of eigenvalue 0, is set apart: where D has negative eigenvalues it need not be

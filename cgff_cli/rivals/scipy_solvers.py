@@ -25,7 +25,7 @@ def fsolve(task: Task) -> End:
     """Run scipy.optimize.fsolve; an iteration is an evaluation of the residual, one trial step each."""
     from scipy.optimize import fsolve as minpack
 
-    system = _System(task)
+    system = System(task)
     if len(system.start) > MOST_DENSE:
         raise CgffError(f"its dense Jacobian is not made for more than {MOST_DENSE} unknowns")
     x, _, _, message = minpack(
@@ -46,7 +46,7 @@ def lm(task: Task) -> End:
     """
     from scipy.optimize import least_squares, root
 
-    system = _System(task)
+    system = System(task)
     system.counts_jacobians = True
     if len(system.start) <= MOST_DENSE:
         found: Any = root(
@@ -75,7 +75,7 @@ def lbfgs(task: Task) -> End:
     """Run L-BFGS-B on the energy and its gradient."""
     from scipy.optimize import minimize
 
-    system = _System(task)
+    system = System(task)
     found: Any = minimize(
         system.energy_and_gradient,
         system.start,
@@ -87,7 +87,7 @@ def lbfgs(task: Task) -> End:
     return system.ended(found.x, str(found.message))
 
 
-class _System(Unknowns):
+class System(Unknowns):
     """The functions that scipy calls, which count and note every shape that is tried."""
 
     def __init__(self, task: Task):

@@ -8,6 +8,7 @@ import pytest
 
 import cgff_cli
 from cgff_cli.comparison.record import Method
+from cgff_cli.rivals.fdm import coordinates
 from cgff_cli.rivals.symmetry import member_classes
 from cgff_cli.scene.scene import Group, Scene
 from tests.shapes import STRUCTURES
@@ -137,3 +138,28 @@ def test_classes_tell_apart_what_no_symmetry_exchanges():
 def test_a_cable_beside_a_strut_is_of_another_class():
     classes = member_classes(np.array([0, 0]), np.array([1, 1]), np.array([1.0, -1.0]), 2)
     assert classes[0] != classes[1]
+
+
+def test_a_form_with_a_pulling_strut_is_none():
+    pairs = {"strut": [["a", "b"], ["b", "c"]], "cable": [["c", "d"], ["d", "a"], ["a", "c"], ["b", "d"]]}
+    scene = cgff_cli.from_dict(
+        {
+            "law": "hooke",
+            "nodes": {"a": [0, 0], "b": [1, 0], "c": [1, 1.2], "d": [0, 1]},
+            "elements": {
+                kind: {"kind": kind, "EA": 10, "rest_length": 0.9, "pairs": own}
+                for kind, own in pairs.items()
+            },
+        }
+    )
+    method = found(scene)
+    assert method.verdict == "failed"
+    assert "some member has the wrong sign" in method.message
+
+
+def test_eigenvectors_that_tie_are_taken_together_as_no_rule_could_pick_among_them():
+    X, left = coordinates(0.3 * (7.0 * np.eye(7) - 1.0), 2)  # seven nodes, every two joined: a simplex
+    distances = np.linalg.norm(X[:, None] - X[None], axis=-1)[np.triu_indices(7, 1)]
+    assert X.shape == (7, 6)
+    assert np.ptp(distances) < 1e-12
+    assert left > 0.1
