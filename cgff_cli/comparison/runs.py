@@ -52,6 +52,7 @@ def run(name: str, case: Case) -> Run:
     unit = size(target)
 
     def distance(X: np.ndarray) -> float:
+        """Return the error in shape of (n, d) positions, over the structure's size."""
         laid = X if entry.is_affine else aligned(X, target, case.alignment)
         return largest_move(laid, target) / unit
 

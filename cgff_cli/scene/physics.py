@@ -27,6 +27,7 @@ def _labels_by_union(n: int, pairs: np.ndarray) -> np.ndarray:
     parent = list(range(n))
 
     def root(i: int) -> int:
+        """Return the node that stands for the part of node i."""
         while parent[i] != i:
             parent[i] = parent[parent[i]]
             i = parent[i]

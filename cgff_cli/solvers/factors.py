@@ -43,6 +43,7 @@ class _SuperLU:
         self.indices, self.indptr = indices, indptr
 
     def factor(self, data: np.ndarray, is_definite: bool = False) -> Factor | None:
+        """Return the factor, or None where a pivot is not positive."""
         from scipy.sparse import csc_array
         from scipy.sparse.linalg import splu
 
@@ -85,6 +86,7 @@ class _Cholmod:
         self.factored = cholmod.symbolic(self.matrix)
 
     def factor(self, data: np.ndarray, is_definite: bool = False) -> Factor | None:
+        """Return the factor, or None where CHOLMOD refuses the matrix."""
         self.matrix.V = self.cvxopt.matrix(np.ascontiguousarray(data[self.lower]))
         try:
             self.cholmod.numeric(self.matrix, self.factored)

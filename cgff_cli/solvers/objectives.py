@@ -61,6 +61,7 @@ class Energy:
         work = float(np.vdot(structure.loads, d)) if self.mechanics.has_loads else 0.0
 
         def trial(a: float) -> Trial:
+            """Return the trial at step a, from three numbers per element."""
             half = B + a * C
             l = np.maximum(np.sqrt(np.maximum(A + a * (B + half), 0.0)), TINY)
             stretch = l - l0
@@ -107,6 +108,7 @@ class Residual:
         """Return f along X + a d; the curvature leaves out second derivatives of eta."""
 
         def trial(a: float) -> Trial:
+            """Return the trial at step a, from the state there."""
             there = self.mechanics.at(state.X + a * d)
             Kd = there.tangent_times(d)
             slope = -float(np.vdot(there.free_eta, Kd))
