@@ -56,7 +56,7 @@ def analysed(scene: Scene, solution: Solution, options: SolveOptions) -> dict[st
     elif options.analysis == "auto" and solution.verdict.converged:
         from cgff_cli.analysis.large import stability_of_large
 
-        found |= stability_of_large(state, options.factor)
+        found |= stability_of_large(state, options.factor, solution.floor)
     slack = np.flatnonzero(state.slack)
     pushed = np.flatnonzero(~state.mechanics.structure.tension_only & (state.t > 0.0))
     pulled = pushed[state.t[pushed] > 16.0 * solution.floor]

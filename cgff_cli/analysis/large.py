@@ -4,22 +4,24 @@ from typing import Any
 
 import numpy as np
 
+from cgff_cli.analysis.stability import resisting_stiffness
 from cgff_cli.mechanics.rigid import rigid_motions
 from cgff_cli.mechanics.state import State
 from cgff_cli.solvers.preconditioners.sparse import SparseTangent
 
 
-def stability_of_large(state: State, kind: str) -> dict[str, Any]:
+def stability_of_large(state: State, kind: str, floor: float) -> dict[str, Any]:
     """Return `stable` and `stability` of a balanced state, null where a rigid motion may be all that is soft.
 
     Cables alone: K is at least D, axis by axis, so that all is stable that taut cables tie to a support.
-    kind: the sparse factors to use, as in the solve option `factor`.
+    kind: the sparse factors to use, as in the solve option `factor`; floor: the rounding error of forces.
     """
     structure = state.mechanics.structure
-    if structure.tension_only.all():
-        found: str | None = "stable" if _is_all_tied(state) else "neutral"
+    k = resisting_stiffness(state, floor)
+    if structure.tension_only.all() and not _is_partly_held(structure.free):
+        found: str | None = "stable" if _is_all_tied(state, k > 0.0) else "neutral"
     else:
-        found = SparseTangent(state.mechanics, False, kind).kind_of_balance(state)
+        found = SparseTangent(state.mechanics, False, kind).kind_of_balance(state, k)
         if found == "neutral" and not _is_settled(state):
             found = None
     return {"stable": None if found is None else found == "stable", "stability": found}
@@ -33,15 +35,20 @@ def _is_settled(state: State) -> bool:
     return rigid_motions(state.X, mechanics.structure.free).shape[1] == 0
 
 
-def _is_all_tied(state: State) -> bool:
-    """Return whether taut cables tie every free node to one that is held in every direction."""
+def _is_partly_held(free: np.ndarray) -> bool:
+    """Return whether any node is held in some directions and free in others."""
+    return bool(np.any(free.any(axis=1) != free.all(axis=1)))
+
+
+def _is_all_tied(state: State, taut: np.ndarray) -> bool:
+    """Return whether taut cables, (b,) bool, tie every free node to one that is held."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
     structure = state.mechanics.structure
     n = len(structure.coordinates)
-    taut = np.flatnonzero(state.t > 0.0)
-    joined = coo_array((np.ones(len(taut)), (structure.start[taut], structure.end[taut])), shape=(n, n))
+    ends = structure.start[taut], structure.end[taut]
+    joined = coo_array((np.ones(len(ends[0])), ends), shape=(n, n))
     parts, label = connected_components(joined, directed=False)
     held = ~structure.free.any(axis=1)
     return bool(np.bincount(label[held], minlength=parts).all())

@@ -21,8 +21,7 @@ def stability(state: State, rigid: np.ndarray, floor: float) -> dict[str, Any]:
     that rounding makes is not idle. A cable whose force is within rounding (floor) of none resists nothing:
     it may be shortened for free.
     """
-    idle = state.mechanics.structure.tension_only & (state.t <= VANISHED * floor)
-    K = state.dense_tangent(k=np.where(idle, 0.0, state.active_stiffness))
+    K = state.dense_tangent(k=resisting_stiffness(state, floor))
     stiffest = norm(K)
     unsure = doubt(K, state)
     rigid = _idle(K, rigid, unsure)
@@ -34,6 +33,12 @@ def stability(state: State, rigid: np.ndarray, floor: float) -> dict[str, Any]:
     softest = float(np.linalg.eigvalsh(K)[0])
     kind = "stable" if softest > unsure else "unstable" if softest < -unsure else "neutral"
     return {"stable": kind == "stable", "stability": kind, "smallest_stiffness": softest}
+
+
+def resisting_stiffness(state: State, floor: float) -> np.ndarray:
+    """Return (b,) stiffnesses, zero for slack cables and those whose force is within rounding of none."""
+    idle = state.mechanics.structure.tension_only & (state.t <= VANISHED * floor)
+    return np.where(idle, 0.0, state.active_stiffness)
 
 
 def _idle(K: np.ndarray, rigid: np.ndarray, unsure: float) -> np.ndarray:

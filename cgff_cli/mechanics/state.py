@@ -1,5 +1,7 @@
 """A structure at one shape: the columns of the mechanics, each computed once."""
 
+from functools import cached_property
+
 import numpy as np
 
 from cgff_cli.mechanics import elements, tangent
@@ -19,6 +21,13 @@ class Mechanics:
         self.has_loads = bool(structure.loads.any())
         self.dofs = np.flatnonzero(structure.free)
         self.without_rest = np.flatnonzero(structure.rest_lengths == 0.0)
+
+    @cached_property
+    def nodal_stiffness(self) -> np.ndarray:
+        """(n,) total stiffness of each node's elements, slack or not."""
+        structure = self.structure
+        ends = np.concatenate((structure.start, structure.end))
+        return np.bincount(ends, np.tile(structure.stiffness, 2), minlength=len(structure.coordinates))
 
     def at(self, X: np.ndarray) -> "State":
         """Return the state at (n, d) positions X."""

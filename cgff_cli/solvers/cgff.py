@@ -228,7 +228,7 @@ class _Run:
         """True where eq. (10) is stationary though forces do not balance: K eta = 0 with eta not 0."""
         if self.objective.name == "energy":
             return False
-        force = float(np.abs(self.state.free_eta).max()) * float(self.gauge.nodal_stiffness.max())
+        force = float(np.abs(self.state.free_eta).max()) * self.gauge.largest_stiffness
         return float(np.abs(self.g).max()) <= STATIONARY * force
 
     def _record(self, iteration: int, balance: Balance, move: Move) -> None:

@@ -96,7 +96,7 @@ class _Cholmod:
 
 
 class _CholmodFactor:
-    fill = 0  # cvxopt does not tell
+    fill = 0  # cvxopt does not tell; so renewed every iteration, which costs a fraction of SuperLU
 
     def __init__(self, home: _Cholmod):
         self.home = home

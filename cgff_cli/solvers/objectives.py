@@ -88,9 +88,7 @@ class Residual:
 
     def __init__(self, mechanics: Mechanics):
         self.mechanics = mechanics
-        structure = mechanics.structure
-        ends = np.concatenate((structure.start, structure.end))
-        self.largest_stiffness = float(np.bincount(ends, np.tile(structure.stiffness, 2)).max())
+        self.largest_stiffness = float(mechanics.nodal_stiffness.max())
 
     def value(self, state: State) -> float:
         """Return f."""

@@ -68,8 +68,7 @@ class Gauge:
         self.mechanics = mechanics
         self.ends = np.concatenate((structure.start, structure.end))
         self.node_count = len(structure.coordinates)
-        self.nodal_stiffness = self._per_node(structure.stiffness)
-        self.largest_stiffness = float(self.nodal_stiffness.max())
+        self.largest_stiffness = float(mechanics.nodal_stiffness.max())
         size = float(np.abs(structure.coordinates).max()) + float(structure.rest_lengths.max())
         self.far_above_floor = FAR_ABOVE * EPS * self.largest_stiffness * size
         self.largest_load = float(np.abs(structure.loads).max())
@@ -91,11 +90,9 @@ class Gauge:
         A coordinate is known to eps |x| and a length to eps l, so an element's force to about
         eps k (|x| + l); a node sums that over its elements.
         """
-        along = self._per_node(self.mechanics.structure.stiffness * state.l)
-        return EPS * float((self.nodal_stiffness * np.abs(state.X).max(axis=1) + along).max())
-
-    def _per_node(self, values: np.ndarray) -> np.ndarray:
-        return np.bincount(self.ends, np.concatenate((values, values)), minlength=self.node_count)
+        along_elements = self.mechanics.structure.stiffness * state.l
+        along = np.bincount(self.ends, np.tile(along_elements, 2), minlength=self.node_count)
+        return EPS * float((self.mechanics.nodal_stiffness * np.abs(state.X).max(axis=1) + along).max())
 
 
 class Watch:

@@ -89,7 +89,7 @@ class _Run:
             return Verdict.CONVERGED
         if balance.at_floor:
             return Verdict.ROUNDING_FLOOR
-        force = balance.residual * float(gauge.nodal_stiffness.max())
+        force = balance.residual * gauge.largest_stiffness
         stationary = float(np.abs(g).max()) <= FLAT * force
         return Verdict.STATIONARY if stationary else Verdict.STEP_VANISHED
 

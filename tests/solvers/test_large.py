@@ -156,9 +156,9 @@ def test_an_upright_mast_of_many_struts_falls_over_and_is_then_called_stable(eve
     found = form_find(mast, SolveOptions(factor="superlu"))
     assert found.verdict.converged
     assert found.coordinates[-1, 2] == pytest.approx(-7.07, abs=1e-6)
-    assert stability_of_large(found.state, "superlu")["stability"] == "stable"
+    assert stability_of_large(found.state, "superlu", found.floor)["stability"] == "stable"
     upright = form_find(mast, SolveOptions(objective="residual", factor="superlu"))
-    assert stability_of_large(upright.state, "superlu")["stability"] == "unstable"
+    assert stability_of_large(upright.state, "superlu", upright.floor)["stability"] == "unstable"
 
 
 def test_large_and_small_agree_on_what_is_stable(every_scene_is_large):
@@ -174,8 +174,21 @@ def test_large_and_small_agree_on_what_is_stable(every_scene_is_large):
     kinds = []
     for structure in (triangle, slack, square):
         found = form_find(structure, SolveOptions(factor="superlu"))
-        kinds.append(stability_of_large(found.state, "superlu")["stability"])
+        kinds.append(stability_of_large(found.state, "superlu", found.floor)["stability"])
     assert kinds == ["stable", "neutral", "neutral"]
+
+
+def test_a_large_cable_at_its_rest_length_ties_nothing_and_a_roller_does(every_scene_is_large):
+    resting = body(
+        [[0, 0], [1, 0], [2, 0]], [(i, i + 1, "cable", 1.0, 1.0) for i in (0, 1)], {0: "xy", 2: "xy"}
+    )
+    pair = [(0, 1, "cable", 1.0, 0.5), (1, 2, "cable", 1.0, 0.5)]
+    rolling = body([[0, 0], [1, 0], [2, 0]], pair, {0: "xy", 1: "y", 2: "xy"})
+    kinds = []
+    for structure in (resting, rolling):
+        found = form_find(structure, SolveOptions(factor="superlu"))
+        kinds.append(stability_of_large(found.state, "superlu", found.floor)["stability"])
+    assert kinds == ["neutral", "stable"]
 
 
 def test_the_same_large_scene_gives_the_same_bits_twice():

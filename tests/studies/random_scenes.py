@@ -14,6 +14,7 @@ import warnings
 from collections import Counter
 
 import numpy as np
+from by_loop import nodal_forces
 
 import cgff_cli
 from cgff_cli.scene.scene import Group, Scene
@@ -68,21 +69,6 @@ def random_element(rng: np.random.Generator, row: int, pair: tuple[int, int]) ->
     kind, EA = str(rng.choice(["cable", "strut"])), 10.0 ** rng.uniform(-2.0, 3.0)
     rest = float(rng.choice([0.0, rng.uniform(0.2, 2.0), 1.0]))
     return Group(f"e{row}", kind, np.array([pair]), np.array([EA]), np.array([rest]))
-
-
-def nodal_forces(structure, X):
-    """Return (n, d) loads and pulls, one element after the other; X may be complex."""
-    total = np.array(structure.loads, dtype=X.dtype)
-    for e, (i, j) in enumerate(zip(structure.start, structure.end, strict=True)):
-        V = X[j] - X[i]
-        length = np.sqrt((V * V).sum())
-        stretch = length - structure.rest_lengths[e]
-        if structure.tension_only[e] and stretch.real < 0.0:
-            continue
-        pull = structure.stiffness[e] * stretch * V / length
-        total[i] += pull
-        total[j] -= pull
-    return total
 
 
 def second_derivatives(structure, X):

@@ -18,6 +18,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from by_loop import nodal_forces
 
 import cgff_cli
 
@@ -33,21 +34,6 @@ CLOSED_FORMS = {
     "prism": ([3.0] * 6 + [6.213509085] * 3 + [7.0] * 3, [1.732050808] * 6 + [6.213509085] * 3 + [-7.0] * 3),
     "octahedron": ([6.0**0.5] * 24 + [4.0] * 6, [6.0**0.5] * 24 + [-6.0] * 6),
 }
-
-
-def nodal_forces(structure, X):
-    """Return (n, d) pulls of all elements, one after the other; X may be complex."""
-    total = np.array(structure.loads, dtype=X.dtype)
-    for e, (i, j) in enumerate(zip(structure.start, structure.end, strict=True)):
-        V = X[j] - X[i]
-        length = np.sqrt((V * V).sum())
-        stretch = length - structure.rest_lengths[e]
-        if structure.tension_only[e] and stretch.real < 0.0:
-            continue
-        pull = structure.stiffness[e] * stretch * V / length
-        total[i] += pull
-        total[j] -= pull
-    return total
 
 
 def is_balanced(result):

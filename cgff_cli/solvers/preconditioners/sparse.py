@@ -34,9 +34,7 @@ class SparseTangent(Shift):
         self.pattern = TangentPattern(structure.start, structure.end, structure.free)
         self.factory = factory(self.pattern.indices, self.pattern.indptr, kind)
         self.moves = structure.free.any(axis=1)
-        ends = np.concatenate((structure.start, structure.end))
-        nodal = np.bincount(ends, np.tile(structure.stiffness, 2), minlength=len(structure.coordinates))
-        self.S = nodal[self.moves]
+        self.S = mechanics.nodal_stiffness[self.moves]
         self.is_afloat = mechanics.all_free and not mechanics.has_loads
         self.factor: Factor | None = None
         self.keep = False
@@ -98,15 +96,16 @@ class SparseTangent(Shift):
         direction = self.mechanics.on_free(full)
         return direction / (np.linalg.norm(direction) * np.sign(direction.flat[np.abs(direction).argmax()]))
 
-    def kind_of_balance(self, state: State) -> str:
+    def kind_of_balance(self, state: State, k: np.ndarray) -> str:
         """Return "stable", "unstable" or "neutral" for a balanced state: the inertia of K either side of 0.
 
-        The rigid motions of a floating body are pinned; others that supports allow may be what is neutral.
+        k: (b,) stiffnesses to take. The rigid motions of a floating body are pinned; others that supports
+        allow may be what is neutral.
         """
         doubt = np.full_like(self.S, self._doubt(state))
-        if self._factor(state, state.q, -doubt) is not None:
+        if self._factor(state, state.q, -doubt, k=k) is not None:
             return "stable"
-        return "neutral" if self._factor(state, state.q, doubt) is not None else "unstable"
+        return "neutral" if self._factor(state, state.q, doubt, k=k) is not None else "unstable"
 
     def _doubt(self, state: State) -> float:
         """Return the size below which an eigenvalue of K has no sign."""
@@ -114,16 +113,22 @@ class SparseTangent(Shift):
         return 1e-14 * float(self.S.max()) + float(np.abs(state.free_eta).max()) / size
 
     def _factor(
-        self, state: State, q: np.ndarray, shift: np.ndarray, definite: bool = False
+        self,
+        state: State,
+        q: np.ndarray,
+        shift: np.ndarray,
+        definite: bool = False,
+        k: np.ndarray | None = None,
     ) -> Factor | None:
-        """Return the factor of K with force densities q and a shift per node, pins included."""
+        """Return the factor of K with force densities q, stiffnesses k and a shift per node, and pins."""
+        k = state.active_stiffness if k is None else k
         extra = shift[:, None, None] * np.eye(state.X.shape[1])
         if self.is_afloat:
             for node, block in _pins(state.X):
                 extra[node] += float(self.S.mean()) * block
         held = float(self.S.mean())
         self.factorizations += 1
-        data = self.pattern.fill(state.u, state.active_stiffness, q, extra, held)
+        data = self.pattern.fill(state.u, k, q, extra, held)
         return self.factory.factor(data, definite)
 
 
