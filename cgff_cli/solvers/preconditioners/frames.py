@@ -77,9 +77,10 @@ class NodeFrames:
         best = self._force_density_state(state, q)
         for _ in range(MOST_RESTS):
             ratio = best.l / self.mechanics.structure.rest_lengths.clip(TINY)
-            if float(ratio.std()) <= float(ratio.mean()) - 1.0:
+            mean = float(ratio.mean())
+            if float(ratio.std()) <= mean - 1.0 or mean < 0.01:  # a net drawn into its anchors has no ratio
                 break
-            q = q * ratio / float(ratio.mean())
+            q = q * (ratio / mean).clip(0.01, 100.0)
             found = self._force_density_state(state, q)
             if found.energy >= best.energy:
                 break
