@@ -4,7 +4,12 @@ An element between two rows of the matrix puts a value (or a d x d block) on eac
 and one on each of the two places between them. Only for large scenes: this is what needs scipy.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
+
+if TYPE_CHECKING:
+    from scipy.sparse import csc_array
 
 
 class GraphPattern:
@@ -37,20 +42,28 @@ class GraphPattern:
             places = columns * self.size + self.indices
             self._place = np.searchsorted(places, where[1] * self.size + where[0])
 
-    def fill(self, at_start: np.ndarray, at_end: np.ndarray, across: np.ndarray) -> np.ndarray:
+    def fill(
+        self, at_start: np.ndarray, at_end: np.ndarray, across: np.ndarray, back: np.ndarray | None = None
+    ) -> np.ndarray:
         """Return the (nnz, ...) data of the matrix.
 
         at_start, at_end: (b, ...) what each element adds on the diagonal at its nodes; across: (b, ...)
-        what it adds on the two places between them (symmetric blocks).
+        what it adds in its start's row and its end's column; back: the other way round, `across` by default.
         """
         diagonal = self._per_node(at_start, at_end)[self.nodes]
         between = across[self.between]
-        values = np.concatenate((diagonal, between, between))
+        values = np.concatenate((diagonal, between, between if back is None else back[self.between]))
         if self._source is not None:
             return values[self._source]
         data = np.zeros((len(self.indices), *values.shape[1:]))
         np.add.at(data, self._place, values)
         return data
+
+    def matrix(self, data: np.ndarray) -> "csc_array":
+        """Return the matrix with (nnz,) data."""
+        from scipy.sparse import csc_array
+
+        return csc_array((data, self.indices, self.indptr), shape=(self.size, self.size))
 
     def _per_node(self, at_start: np.ndarray, at_end: np.ndarray) -> np.ndarray:
         n = int(max(self.start.max(), self.end.max(), self.nodes[-1])) + 1

@@ -31,11 +31,16 @@ class Factory(Protocol):
         """
 
 
+def kind_of_factor(kind: str) -> str:
+    """Return superlu or cholmod for auto, superlu or cholmod."""
+    if kind == "auto":
+        return "superlu" if find_spec("cvxopt") is None else "cholmod"
+    return kind
+
+
 def factory(indices: np.ndarray, indptr: np.ndarray, kind: str = "auto") -> Factory:
     """Return a Factory for a symmetric pattern; kind: auto, superlu or cholmod."""
-    if kind == "cholmod" or (kind == "auto" and find_spec("cvxopt") is not None):
-        return _Cholmod(indices, indptr)
-    return _SuperLU(indices, indptr)
+    return (_Cholmod if kind_of_factor(kind) == "cholmod" else _SuperLU)(indices, indptr)
 
 
 class _SuperLU:
@@ -103,6 +108,6 @@ class _CholmodFactor:
 
     def solve(self, b: np.ndarray) -> np.ndarray:
         """Return M^-1 b."""
-        x = self.home.cvxopt.matrix(np.ascontiguousarray(b))
+        x = self.home.cvxopt.matrix(b)
         self.home.cholmod.solve(self.home.factored, x)
         return np.array(x).reshape(b.shape)

@@ -38,6 +38,9 @@ class Preconditioner(Protocol):
     def stiffen(self) -> None:
         """Ask for shorter, safer steps after a failed one."""
 
+    def is_beaten(self, waited: int) -> bool:
+        """Return whether the tangent should take over, `waited` iterations after the last headway."""
+
     def steepest_fall(self, state: State) -> np.ndarray | None:
         """Return a unit direction of negative stiffness at a balanced state, or None."""
 
@@ -64,6 +67,10 @@ class Identity:
 
     def stiffen(self) -> None:
         """Do nothing."""
+
+    def is_beaten(self, waited: int) -> bool:
+        """Return False."""
+        return False
 
     def steepest_fall(self, state: State) -> np.ndarray | None:
         """Return a unit direction of negative stiffness, or None; not looked for in large scenes."""
@@ -94,3 +101,7 @@ class Shift:
     def stiffen(self) -> None:
         """Raise mu a hundredfold."""
         self.mu *= 100.0
+
+    def is_beaten(self, waited: int) -> bool:
+        """Return False: it is the tangent."""
+        return False

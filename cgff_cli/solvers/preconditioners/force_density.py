@@ -1,0 +1,66 @@
+"""The force density start of an anchored net: linear solves that bring it near its shape."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from cgff_cli.mechanics.elements import TINY
+from cgff_cli.mechanics.state import Mechanics, State
+from cgff_cli.solvers.factors import Factor
+from cgff_cli.solvers.line_search import FLAT, Goal, strong_wolfe
+from cgff_cli.solvers.objectives import Energy
+
+Factored = Callable[[np.ndarray], Factor]
+"""From (b,) force densities to a factor of D_ff over the nodes that move, eq. (4)."""
+
+MOST_RESTS = 4
+"""Repetitions with other force densities."""
+
+GOOD_FIT = 0.25
+"""Lengths fit where l / l0 scatters by no more than this share of the mean strain."""
+
+
+def force_density_start(mechanics: Mechanics, state: State, factored: Factored) -> State:
+    """Return the force density solution (Schek 1974) with q = k if its energy is lower, else `state`.
+
+    Where its lengths do not fit the rest lengths it is repeated with q in proportion to l / l0, which pulls
+    at what is too long.
+    """
+    q = mechanics.structure.stiffness
+    best = _solved(mechanics, state, q, factored(q))
+    for _ in range(MOST_RESTS):
+        ratio = best.l / mechanics.structure.rest_lengths.clip(TINY)
+        mean = float(ratio.mean())
+        if float(ratio.std()) <= GOOD_FIT * (mean - 1.0) or mean < 0.01:  # drawn into its anchors: no ratio
+            break
+        q = q * (ratio / mean).clip(0.01, 100.0)
+        found = _solved(mechanics, state, q, factored(q))
+        if found.energy >= best.energy:
+            break
+        best = found
+    return best if best.energy < state.energy else state
+
+
+def _solved(mechanics: Mechanics, state: State, q: np.ndarray, factor: Factor) -> State:
+    """Return the state at the force density solution, D_ff x_f = F - D_fc x_c, one factor for all axes.
+
+    Loads would need force densities of the right size, not only proportion: their share of the shape is
+    scaled to the least energy along it.
+    """
+    structure, connectivity = mechanics.structure, mechanics.connectivity
+    moves = structure.free[:, 0]
+
+    def answer(forces: np.ndarray) -> np.ndarray:
+        x = np.zeros_like(forces)
+        x[moves] = factor.solve(np.asfortranarray(forces[moves]))
+        return x
+
+    held = np.where(structure.free, 0.0, state.X)
+    found = mechanics.at(held - answer(connectivity.gather(q[:, None] * connectivity.differences(held))))
+    if not mechanics.has_loads:
+        return found
+    energy = Energy(mechanics)
+    sag = answer(structure.loads)
+    line = energy.line(found, sag)
+    goal = Goal(line(0.0).slope, energy.noise(found), FLAT)
+    return mechanics.at(found.X + strong_wolfe(line, goal, 1.0).length * sag)

@@ -1,0 +1,67 @@
+"""What a run does when its steps lead nowhere: another preconditioner, a detour, a way down from a saddle."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from cgff_cli.mechanics.norms import norm
+from cgff_cli.mechanics.state import Mechanics
+from cgff_cli.solvers.curvature import farthest_fall
+from cgff_cli.solvers.moves import Move
+from cgff_cli.solvers.preconditioners import choose
+from cgff_cli.solvers.run import Run
+from cgff_cli.solvers.softening import LOOSE, MOST_DETOURS, STAGE_LIMIT, WAIT, softened
+from cgff_cli.solvers.solution import History
+
+MAX_ESCAPES = 20
+"""Unstable equilibria left behind along their negative stiffness before one is reported as such."""
+
+
+def relieve(run: Run) -> None:
+    """Put the tangent in the place of a preconditioner that makes no headway, unless it was asked for."""
+    old = run.preconditioner
+    if run.options.preconditioner == "auto" and old.is_beaten(run.watch.waited):
+        run.preconditioner = choose(run.mechanics, replace(run.options, preconditioner="tangent"))
+        run.preconditioner.factorizations += old.factorizations
+        run.detours, run.last = MOST_DETOURS, None
+
+
+def escape(run: Run) -> Move | None:
+    """Leave an unstable equilibrium along its most negative stiffness; None if it is a minimum."""
+    if not run.is_energy() or run.escapes >= MAX_ESCAPES:
+        return None
+    d = run.preconditioner.steepest_fall(run.state)
+    if d is None:
+        return None
+    alpha = farthest_fall(run.objective.line(run.state, d))
+    if alpha == 0.0:
+        return None
+    run.escapes += 1
+    (run.state, run.g), run.last = run.at(run.state.X + alpha * d), None
+    return Move(abs(alpha), alpha, 0.0, True)
+
+
+def detour(run: Run, loop: Callable[[Run], object]) -> Move | None:
+    """Pass a narrow valley by way of softer structures; None where there is no need.
+
+    The energy may rise: a stretch too small to see costs more than all the loads can do.
+    """
+    stuck = run.watch.waited >= WAIT and run.preconditioner.predicts_full_steps
+    if not stuck or not run.is_energy() or run.detours >= MOST_DETOURS:
+        return None
+    run.detours += 1
+    run.watch.waited = 0
+    X = run.state.X
+    options = replace(run.options, tolerance=LOOSE, max_iterations=STAGE_LIMIT)
+    for softer in softened(run.mechanics.structure):
+        stage = Run(Mechanics(softer), X, run.frame, options, History())
+        stage.detours = MOST_DETOURS
+        loop(stage)
+        X = stage.state.X
+        run.evaluations += stage.evaluations
+        run.preconditioner.factorizations += stage.preconditioner.factorizations
+    if X is run.state.X:
+        return None
+    step = norm(X - run.state.X)
+    (run.state, run.g), run.last = run.at(X), None
+    run.preconditioner.stiffen()
+    return Move(step, 0.0, 0.0, True)
