@@ -40,6 +40,7 @@ RIVALS = {
     "fdm": ("fdm", "Form-finding from connectivity and signs alone; with supports, --schek."),
     "schek": ("schek", "The linear force density method with CGFF's force densities; needs supports."),
     "fsolve": ("fsolve", "scipy's fsolve with the exact Jacobian."),
+    "fsolve-fd": ("fsolve-fd", "scipy's fsolve without a Jacobian, by finite differences."),
     "lm": ("lm", "scipy's Levenberg-Marquardt method with the exact Jacobian."),
     "table1": ("table1", "The paper's Table I to the letter."),
     "residual": ("cgff-residual", "CGFF on eq. (10), half the squared residual."),
@@ -178,9 +179,9 @@ def _found(scene: str, values: dict[str, Any]) -> "Comparison":
     """Return the comparison of one scene, showing on a terminal which method is at work."""
     from cgff_cli.comparison.compare import compare
 
+    chosen = [method for flag, (method, _) in RIVALS.items() if values[flag.replace("-", "_")]]
     options = given_solve_options({name: values[name] for name in SOLVE_OPTIONS})
-    options |= {"repeat": values["repeat"], "time_limit": values["time_limit"]}
-    options["methods"] = [method for flag, (method, _) in RIVALS.items() if values[flag]] or ["fdm"]
+    options |= {"repeat": values["repeat"], "time_limit": values["time_limit"], "methods": chosen or ["fdm"]}
     if wanted("quiet") or not sys.stderr.isatty():
         return compare(scene, **options)
     from cgff_cli.report.progress import Progress

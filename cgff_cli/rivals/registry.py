@@ -6,7 +6,7 @@ from cgff_cli.rivals import own
 from cgff_cli.rivals.dynamic_relaxation import dynamic_relaxation
 from cgff_cli.rivals.fdm import fdm
 from cgff_cli.rivals.schek import schek
-from cgff_cli.rivals.scipy_solvers import fsolve, lbfgs, lm
+from cgff_cli.rivals.scipy_solvers import fsolve, fsolve_fd, lbfgs, lm
 from cgff_cli.rivals.task import Rival
 
 
@@ -32,6 +32,7 @@ REGISTRY = {
     ),
     "schek": Entry(schek, "linear force density method with CGFF's force densities", judges_itself=True),
     "fsolve": Entry(fsolve, "scipy's fsolve with the exact Jacobian"),
+    "fsolve-fd": Entry(fsolve_fd, "scipy's fsolve without a Jacobian, by finite differences"),
     "lm": Entry(lm, "scipy's Levenberg-Marquardt with the exact Jacobian"),
     "lbfgs": Entry(lbfgs, "scipy's L-BFGS-B on the energy"),
     "dr": Entry(dynamic_relaxation, "dynamic relaxation with kinetic damping"),

@@ -1,10 +1,11 @@
-"""scipy's own solvers on the same residual, with its exact Jacobian; scipy is imported when one is called.
+"""scipy's own solvers on the same residual, mostly with its exact Jacobian; imported when one is called.
 
 A free body can turn and drift without force, which leaves the Jacobian singular at every equilibrium.
 fsolve (MINPACK's hybr) asks for a regular one and may stall; Levenberg and Marquardt's damping does not
 mind; L-BFGS-B only ever sees the energy and its gradient. Nothing is held to help them.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -23,15 +24,24 @@ TIGHT = 1e-15
 
 def fsolve(task: Task) -> End:
     """Run scipy.optimize.fsolve; an iteration is an evaluation of the residual, one trial step each."""
+    system = System(task)
+    return _fsolve(system, system.jacobian)
+
+
+def fsolve_fd(task: Task) -> End:
+    """Run it without a Jacobian, by finite differences; their evaluations count as iterations too."""
+    return _fsolve(System(task), None)
+
+
+def _fsolve(system: "System", jacobian: Callable[[np.ndarray], np.ndarray] | None) -> End:
     from scipy.optimize import fsolve as minpack
 
-    system = System(task)
     if len(system.start) > MOST_DENSE:
         raise CgffError(f"its dense Jacobian is not made for more than {MOST_DENSE} unknowns")
     x, _, _, message = minpack(
         system.residual,
         system.start,
-        fprime=system.jacobian,
+        fprime=jacobian,
         xtol=TIGHT,
         maxfev=1_000_000,
         full_output=True,

@@ -8,6 +8,8 @@ structures/x-module.yaml are back-computed, so what is reproduced is the shape a
 import numpy as np
 import pytest
 
+from tests.paper.printed import HALF_A_DIGIT as PRINTED
+from tests.paper.printed import TABLE_2
 from tests.shapes import (
     best_self_stress,
     distance_difference,
@@ -17,13 +19,8 @@ from tests.shapes import (
     solve_structure,
 )
 
-CGFF = np.array([[0.5345, -0.2941, -0.0842, 0.7737], [0.5355, 0.8044, 0.1856, -0.0635]]).T
-FDM = np.array([[0.5366, -0.2974, -0.0821, 0.7716], [0.5499, 0.8094, 0.1959, -0.0636]]).T
-PRINTED = 0.5e-4  # half a unit of the fourth decimal, the last one printed
-
-CABLES = [(0, 1), (1, 2), (2, 3), (3, 0)]
-STRUTS = [(0, 2), (1, 3)]
-PAIRS = CABLES + STRUTS
+CGFF, FDM, CABLES, STRUTS = TABLE_2
+PAIRS = TABLE_2.pairs
 
 
 @pytest.fixture(scope="module")

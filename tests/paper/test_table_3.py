@@ -6,14 +6,15 @@ which carries a self-stress only where the six nodes lie on one conic, and the p
 structures/hexagon.yaml aims at the nearest six points that do.
 """
 
-from itertools import product
-
 import numpy as np
 import pytest
 import yaml
 
 import cgff_cli
 from cgff_cli.scene.read import from_dict
+from tests.paper.conics import conic_gradient, conic_misses
+from tests.paper.printed import HALF_A_DIGIT as PRINTED
+from tests.paper.printed import TABLE_3
 from tests.shapes import (
     STRUCTURES,
     aligned,
@@ -24,51 +25,14 @@ from tests.shapes import (
     solve_structure,
 )
 
-CGFF = np.array(
-    [
-        [-0.4916, -0.610, -0.1886, 0.3527, 0.4719, 0.0497],
-        [-0.0270, 0.3463, 0.6659, 0.6111, 0.2378, -0.0812],
-    ]
-).T
-FDM = np.array(
-    [
-        [-0.5189, -0.6673, -0.1955, 0.381, 0.5281, 0.0622],
-        [-0.0705, 0.3670, 0.7086, 0.6582, 0.2046, -0.1288],
-    ]
-).T
-PRINTED = 0.5e-4  # half a unit of the fourth decimal, the last one printed
+CGFF, FDM, CABLES, STRUTS = TABLE_3
+PAIRS = TABLE_3.pairs
 NEAREST = 1.709e-4  # no six points this near to every printed coordinate lie on a conic
-
-CABLES = [(i, (i + 1) % 6) for i in range(6)]
-STRUTS = [(0, 3), (1, 4), (2, 5)]
-PAIRS = CABLES + STRUTS
 
 
 @pytest.fixture(scope="module")
 def solved():
     return solve_structure("hexagon", tolerance=1e-12)
-
-
-def conic(X: np.ndarray) -> np.ndarray:
-    """Return the (...) determinant that vanishes where the six points (..., 6, 2) lie on one conic."""
-    x, y = X[..., 0], X[..., 1]
-    return np.linalg.det(np.stack([x * x, x * y, y * y, x, y, np.ones_like(x)], axis=-1))
-
-
-def conic_gradient(X: np.ndarray) -> np.ndarray:
-    """Return the (6, 2) gradient of `conic`, by central differences."""
-    steps = 1e-6 * np.eye(12).reshape(12, 6, 2)
-    return ((conic(X + steps) - conic(X - steps)) / 2e-6).reshape(6, 2)
-
-
-def conic_misses(X: np.ndarray, reach: float) -> bool:
-    """Tell whether no points within `reach` of every coordinate lie on a conic.
-
-    The determinant is monotone in each coordinate over so small a box, so its extremes are at corners.
-    """
-    corners = np.array(list(product((-reach, reach), repeat=12))).reshape(-1, 6, 2)
-    values = conic(X + corners)
-    return bool((values > 0.0).all() or (values < 0.0).all())
 
 
 @pytest.mark.parametrize(("column", "residual"), [(CGFF, 1.1e-3), (FDM, 4.2e-3)], ids=["CGFF", "FDM"])

@@ -10,6 +10,8 @@ from math import pi, sin, sqrt
 import numpy as np
 import pytest
 
+from tests.paper.printed import HALF_A_DIGIT as PRINTED
+from tests.paper.printed import TABLE_4, TRIANGLES, VERTICALS
 from tests.shapes import (
     best_self_stress,
     distance_difference,
@@ -20,26 +22,8 @@ from tests.shapes import (
     twist,
 )
 
-CGFF = np.array(
-    [
-        [1.7321, -0.866, -0.866, -1.5, 0.0, 1.5],
-        [0.0, 1.5, -1.5, 0.866, -1.7321, 0.866],
-        [0.0, 0.0, 0.0, 6.1485, 6.1485, 6.1485],
-    ]
-).T
-FDM = np.array(
-    [
-        [1.6327, -0.855, -0.789, -1.399, -0.031, 1.437],
-        [0.038, 1.3994, -1.437, 0.8558, -1.6358, 0.789],
-        [0.095, 0.095, 0.095, 6.0548, 6.0548, 6.0548],
-    ]
-).T
-PRINTED = 0.5e-4  # half a unit of the fourth decimal, the last one printed
-
-TRIANGLES = [(0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3)]
-VERTICALS = [(0, 5), (1, 3), (2, 4)]
-STRUTS = [(0, 3), (1, 4), (2, 5)]
-PAIRS = TRIANGLES + VERTICALS + STRUTS
+CGFF, FDM, CABLES, STRUTS = TABLE_4
+PAIRS = TABLE_4.pairs
 
 HEIGHT = sqrt(49.0 - 12.0 * sin(75.0 * pi / 180.0) ** 2)
 VERTICAL = sqrt(HEIGHT**2 + 12.0 * sin(15.0 * pi / 180.0) ** 2)

@@ -68,15 +68,22 @@ def test_table_1_ends_without_equilibrium(compared, name):
     assert (method.verdict, method.converged, method.stable) == ("step_vanished", False, None)
 
 
+@pytest.mark.parametrize("rival", ["fsolve", "fsolve-fd"])
 @pytest.mark.parametrize("name", SHIPPED)
-def test_fsolve_balances_the_forces_or_says_how_it_ended(compared, name):
+def test_fsolve_balances_the_forces_or_says_how_it_ended(compared, name, rival):
     # Which of the two is up to rounding: the Jacobian of a free body is singular.
-    method = of(compared(name), "fsolve")
+    method = of(compared(name), rival)
     if method.converged:
         assert method.residual_relative <= 1e-12
     else:
         assert method.verdict == "gave_up"
         assert method.message.startswith("no equilibrium: it ended by itself with out-of-balance force ")
+
+
+def test_without_its_jacobian_fsolve_evaluates_the_residual_once_more_for_every_unknown(compared):
+    with_it, without = (of(compared("bracket"), name) for name in ("fsolve", "fsolve-fd"))
+    assert (with_it.verdict, without.verdict) == ("converged", "converged")
+    assert without.evaluations >= with_it.evaluations + 2
 
 
 def test_schek_gives_back_the_coordinates_of_cgff(compared):
@@ -122,9 +129,10 @@ def test_with_supports_fdm_means_schek():
 
 def test_large_scenes_have_a_sparse_jacobian_for_lm_and_none_for_fsolve():
     net = cgff_cli.new("net", side=30)
-    compared = cgff_cli.compare(net, ["fsolve", "lm"], repeat=1, time_limit=2.0)
-    assert of(compared, "fsolve").verdict == "failed"
-    assert "2000 unknowns" in of(compared, "fsolve").message
+    compared = cgff_cli.compare(net, ["fsolve", "fsolve-fd", "lm"], repeat=1, time_limit=2.0)
+    for name in ("fsolve", "fsolve-fd"):
+        assert of(compared, name).verdict == "failed"
+        assert "2000 unknowns" in of(compared, name).message
     assert of(compared, "lm").residual_relative is not None
 
 
