@@ -185,17 +185,16 @@ def _blocks(
     here, there = frames[:, pattern.start], frames[:, pattern.end]
     along, beyond = (np.einsum("ei,fei->fe", u, ends) for ends in (here, there))
 
-    def across(f: np.ndarray, g: np.ndarray, rate: np.ndarray, other: np.ndarray) -> np.ndarray:
-        return -(stiff * rate * other + q * np.einsum("ei,ei->e", f, g))
+    def entries(f: np.ndarray, g: np.ndarray, rate: np.ndarray, other: np.ndarray) -> np.ndarray:
+        return stiff * rate * other + q * np.einsum("ei,ei->e", f, g)
 
     def block(f: int, g: int) -> np.ndarray:
         """Return the (nnz,) data of M_fg."""
-        own = q if f == g else 0.0
         return pattern.fill(
-            stiff * along[f] * along[g] + own,
-            stiff * beyond[f] * beyond[g] + own,
-            across(here[f], there[g], along[f], beyond[g]),
-            across(there[f], here[g], beyond[f], along[g]),
+            entries(here[f], here[g], along[f], along[g]),
+            entries(there[f], there[g], beyond[f], beyond[g]),
+            -entries(here[f], there[g], along[f], beyond[g]),
+            -entries(there[f], here[g], beyond[f], along[g]),
         )
 
     return block

@@ -1,19 +1,25 @@
-"""Local frames at the nodes of a net: two tangents and the normal, as far as cables span a plane there."""
+"""Local directions at the nodes of a net: two tangents and the normal, where cables span a plane."""
 
 import numpy as np
 
 from cgff_cli.structure import Structure
+
+SKEWEST = 0.95
+"""Cosine between two tangents from which they hardly differ."""
+
+EVENINGS = 3
+"""Rounds of averaging directions over neighbours."""
 
 SAMPLE = 1000
 """Elements that tell the prevailing direction of a net."""
 
 
 def local_frames(structure: Structure, k: np.ndarray, u: np.ndarray) -> np.ndarray:
-    """Return (d, n, d) orthonormal local directions, the normals last. k: (b,), u: (b, d) unit vectors.
+    """Return (d, n, d) unit vectors: the local directions at each node, normals last. k: (b,), u: (b, d).
 
     The normal is the softest direction of A = sum k u u^T over a node's elements: the largest column
-    of its adjugate. The first tangent follows one direction of the whole net, the one most elements
-    run along, so that frames at neighbours agree.
+    of its adjugate. The tangents of a net's node suit its two families of cables: each lies across the
+    other family, so that it stretches its own alone, however skew the meshes are.
     """
     n, d = structure.coordinates.shape
     ends = np.concatenate((structure.start, structure.end))
@@ -27,8 +33,41 @@ def local_frames(structure: Structure, k: np.ndarray, u: np.ndarray) -> np.ndarr
         tangent = _normalized(A @ along + 1e-9 * along)
         return np.stack((tangent, tangent[:, ::-1] * (-1.0, 1.0)))
     normal = _softest(A)
-    tangent = _normalized(_across(normal, along + np.zeros((n, 1))))
-    return np.stack((tangent, np.cross(normal, tangent), normal))
+    first = _normalized(_across(normal, along + np.zeros((n, 1))))
+    second = np.cross(normal, first)
+    one, other = _families(structure, k, u, first, second)
+    skew = np.cross(other, normal), np.cross(normal, one)
+    sizes = [np.sqrt(np.einsum("ni,ni->n", e, e)) for e in skew]
+    usable = np.minimum(*sizes) > 1e-6 * max(float(size.max()) for size in sizes)
+    pair = np.stack([e / np.where(usable, size, 1.0)[:, None] for e, size in zip(skew, sizes, strict=True)])
+    usable &= np.abs(np.einsum("ni,ni->n", *pair)) < SKEWEST
+    return np.concatenate((np.where(usable[:, None], pair, (first, second)), normal[None]))
+
+
+def _families(
+    structure: Structure, k: np.ndarray, u: np.ndarray, first: np.ndarray, second: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return (n, d) directions of a node's elements, all pointing one way: those near `first`, the rest.
+
+    Each is evened out over the neighbours: what one node's elements scatter would roughen the frames, and
+    rough frames bend a smooth shift of the whole net.
+    """
+    from scipy.sparse import csr_array, eye_array
+
+    sums = [np.zeros_like(first), np.zeros_like(first)]
+    for ends in (structure.start, structure.end):
+        rates = [np.einsum("ei,ei->e", u, t[ends]) for t in (first, second)]
+        nearer = np.abs(rates[0]) >= np.abs(rates[1])
+        for total, rate, mine in zip(sums, rates, (nearer, ~nearer), strict=True):
+            w = np.where(mine, np.copysign(k, rate), 0.0)
+            for axis in range(u.shape[1]):
+                total[:, axis] += np.bincount(ends, w * u[:, axis], minlength=len(first))
+    ends = np.concatenate((structure.start, structure.end))
+    others = np.concatenate((structure.end, structure.start))
+    even = csr_array((np.ones(len(ends)), (ends, others))) + eye_array(len(first))
+    for _ in range(EVENINGS):
+        sums = [even @ _normalized(total) for total in sums]
+    return sums[0], sums[1]
 
 
 def _prevailing(k: np.ndarray, u: np.ndarray) -> np.ndarray:
