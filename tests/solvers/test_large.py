@@ -7,7 +7,6 @@ import pytest
 
 import cgff_cli
 from cgff_cli.analysis.large import stability_of_large
-from cgff_cli.mechanics.connectivity import Connectivity
 from cgff_cli.mechanics.rigid import rigid_motions
 from cgff_cli.mechanics.state import Mechanics
 from cgff_cli.options import SolveOptions
@@ -21,17 +20,6 @@ from tests.bodies import body, random_body
 from tests.shapes import distance_matrix
 
 FACTORS = ["superlu", pytest.param("cholmod", marks=pytest.mark.needs_cvxopt)]
-
-
-@pytest.fixture
-def every_scene_is_large(monkeypatch):
-    init = Connectivity.__init__
-
-    def large(self, start, end, node_count):
-        init(self, start, end, node_count)
-        self.is_small = False
-
-    monkeypatch.setattr(Connectivity, "__init__", large)
 
 
 def net(**parameters):
@@ -48,22 +36,6 @@ def test_the_preconditioner_follows_from_the_scene():
     assert isinstance(choose(Mechanics(tower(100)), options), SparseTangent)
     assert isinstance(choose(Mechanics(net(side=20)), options), NodeFrames)
     assert isinstance(choose(Mechanics(net(side=20)), replace(options, objective="residual")), SparseTangent)
-
-
-def test_frames_are_for_nets_of_cables_with_nodes_held_or_free_and_every_part_held():
-    structure = net(side=20)
-    options = SolveOptions(preconditioner="frames")
-    with_a_strut = structure.tension_only.copy()
-    with_a_strut[5] = False
-    half_held = structure.free.copy()
-    half_held[np.flatnonzero(structure.free[:, 0])[0], 2] = False
-    adrift = np.ones_like(structure.free)
-    for changed in (
-        replace(structure, tension_only=with_a_strut),
-        replace(structure, free=half_held),
-        replace(structure, free=adrift),
-    ):
-        assert isinstance(choose(Mechanics(changed), options), SparseTangent)
 
 
 @pytest.mark.parametrize("factor", FACTORS)
@@ -106,54 +78,6 @@ def test_a_tower_of_300_stages_is_found_and_stands_where_it_stood(factor):
     assert found.coordinates.mean(axis=0) == pytest.approx(exact.coordinates.mean(axis=0), abs=0.1)
 
 
-@pytest.mark.parametrize("factor", FACTORS)
-@pytest.mark.parametrize(
-    "parameters", [{"jitter": 0.01}, {"jitter": 0.05}, {"jitter": 0.05, "snow": 0.05}], ids=str
-)
-def test_a_net_comes_to_rest_whatever_its_jitter_slack_and_snow(factor, parameters):
-    structure = net(side=25, seed=2, **parameters)
-    found = form_find(structure, SolveOptions(factor=factor))
-    assert found.verdict.converged
-    tangent = form_find(structure, SolveOptions(preconditioner="tangent", factor=factor, max_iterations=500))
-    assert tangent.verdict.converged
-    assert found.energy == pytest.approx(tangent.energy, rel=1e-9)
-
-
-def test_iterations_of_a_taut_net_do_not_grow_with_its_size():
-    counts = [
-        form_find(net(side=side, prestress=100.0, jitter=0.02, seed=1), SolveOptions()).iterations
-        for side in (15, 30, 60)
-    ]
-    assert max(counts) <= 2 * min(counts)
-
-
-def test_frames_precondition_with_a_gauss_seidel_sweep_over_k_in_their_own_axes():
-    structure = net(side=12, jitter=0.02, seed=4, start="saddle", prestress=100.0)
-    mechanics = Mechanics(structure)
-    state = mechanics.at(structure.coordinates)
-    M = NodeFrames(mechanics, "superlu")
-    M.refresh(state)
-    n, d = structure.coordinates.shape
-    free = np.flatnonzero(structure.free[:, 0])
-    m = len(free)
-    Q = np.zeros((d, m, n, d))  # rows: local direction, free node; columns: node, axis
-    Q[:, np.arange(m), free] = M.frames
-    Q = Q.reshape(d * m, n * d)
-    K = np.zeros((n * d, n * d))
-    held = structure.free.reshape(-1)
-    K[np.ix_(held, held)] = state.dense_tangent()
-    local = Q @ K @ Q.T
-    direction = np.repeat(np.arange(d), m)
-    lower = np.where(direction[:, None] >= direction[None, :], local, 0.0)
-    diagonal = np.where(direction[:, None] == direction[None, :], local, 0.0)
-    sweep = lower @ np.linalg.solve(diagonal, lower.T)
-    g = np.zeros((n, d))
-    g[structure.free] = np.random.default_rng(0).normal(size=int(structure.free.sum()))
-    z = M.apply(g)
-    assert Q.T @ (Q @ z.reshape(-1)) == pytest.approx(z.reshape(-1), abs=1e-12 * np.abs(z).max())
-    assert sweep @ (Q @ z.reshape(-1)) == pytest.approx(Q @ g.reshape(-1), abs=1e-9)
-
-
 def test_an_upright_mast_of_many_struts_falls_over_and_is_then_called_stable(every_scene_is_large):
     points = [[0.0, 0.0, 1.0 * row] for row in range(8)]
     bars = [(row, row + 1, "strut", 100.0, 1.0) for row in range(7)]
@@ -183,17 +107,23 @@ def test_large_and_small_agree_on_what_is_stable(every_scene_is_large):
     assert kinds == ["stable", "neutral", "neutral"]
 
 
-def test_a_large_cable_at_its_rest_length_ties_nothing_and_a_roller_does(every_scene_is_large):
-    resting = body(
-        [[0, 0], [1, 0], [2, 0]], [(i, i + 1, "cable", 1.0, 1.0) for i in (0, 1)], {0: "xy", 2: "xy"}
+def test_a_large_cable_within_rounding_of_its_rest_length_ties_nothing(every_scene_is_large):
+    hanging = body([[0, 0], [0.1 + 0.2, 0]], [(0, 1, "cable", 1.0, 0.3)], {0: "xy"})
+    found = form_find(hanging, SolveOptions(factor="superlu"))
+    assert found.verdict.converged
+    assert stability_of_large(found.state, "superlu", found.floor)["stability"] == "neutral"
+
+
+def test_a_taut_large_cable_between_rollers_is_stable(every_scene_is_large):
+    sliders = body(
+        [[0, 1], [1, 0]],
+        [(0, 1, "cable", 10.0, 1.2)],
+        {0: "x", 1: "y"},
+        {0: (0.0, 1.0), 1: (1.0, 0.0)},
     )
-    pair = [(0, 1, "cable", 1.0, 0.5), (1, 2, "cable", 1.0, 0.5)]
-    rolling = body([[0, 0], [1, 0], [2, 0]], pair, {0: "xy", 1: "y", 2: "xy"})
-    kinds = []
-    for structure in (resting, rolling):
-        found = form_find(structure, SolveOptions(factor="superlu"))
-        kinds.append(stability_of_large(found.state, "superlu", found.floor)["stability"])
-    assert kinds == ["neutral", "stable"]
+    found = form_find(sliders, SolveOptions(factor="superlu"))
+    assert found.verdict.converged
+    assert stability_of_large(found.state, "superlu", found.floor)["stability"] == "stable"
 
 
 def test_the_same_large_scene_gives_the_same_bits_twice():

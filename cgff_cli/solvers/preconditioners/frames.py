@@ -165,13 +165,13 @@ class NodeFrames:
     def _factor(self, f: int, data: np.ndarray) -> Factor:
         """Return a factor of the matrix with this data, stiffened a little where rounding asks for it."""
         diagonal = self.pattern.diagonal
-        share = 1e-14
+        share = 1e-14 * float(data[diagonal].max())
         while True:
             self.factorizations += 1
             factor = self.factories[f].factor(data, is_definite=True)
             if factor is not None:
                 return factor
-            data[diagonal] *= 1.0 + share
+            data[diagonal] += share
             share *= 100.0
 
 

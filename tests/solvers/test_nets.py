@@ -1,0 +1,111 @@
+"""Anchored nets: the force density start, frames at the nodes, and what takes their place."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import cgff_cli
+from cgff_cli.mechanics.state import Mechanics
+from cgff_cli.options import SolveOptions
+from cgff_cli.solvers.cgff import form_find
+from cgff_cli.solvers.preconditioners import choose
+from cgff_cli.solvers.preconditioners.frames import NodeFrames
+from cgff_cli.solvers.preconditioners.sparse import SparseTangent
+from cgff_cli.structure import from_scene
+from tests.bodies import body
+
+FACTORS = ["superlu", pytest.param("cholmod", marks=pytest.mark.needs_cvxopt)]
+
+
+def net(**parameters):
+    return from_scene(cgff_cli.new("net", **parameters))
+
+
+def test_frames_are_for_nets_of_cables_with_nodes_held_or_free_and_every_part_held():
+    structure = net(side=20)
+    options = SolveOptions(preconditioner="frames")
+    with_a_strut = structure.tension_only.copy()
+    with_a_strut[5] = False
+    half_held = structure.free.copy()
+    half_held[np.flatnonzero(structure.free[:, 0])[0], 2] = False
+    adrift = np.ones_like(structure.free)
+    for changed in (
+        replace(structure, tension_only=with_a_strut),
+        replace(structure, free=half_held),
+        replace(structure, free=adrift),
+    ):
+        assert isinstance(choose(Mechanics(changed), options), SparseTangent)
+
+
+@pytest.mark.parametrize("factor", FACTORS)
+@pytest.mark.parametrize(
+    "parameters", [{"jitter": 0.01}, {"jitter": 0.05}, {"jitter": 0.05, "snow": 0.05}], ids=str
+)
+def test_a_net_comes_to_rest_whatever_its_jitter_slack_and_snow(factor, parameters):
+    structure = net(side=25, seed=2, **parameters)
+    found = form_find(structure, SolveOptions(factor=factor))
+    assert found.verdict.converged
+    tangent = form_find(structure, SolveOptions(preconditioner="tangent", factor=factor, max_iterations=500))
+    assert tangent.verdict.converged
+    assert found.energy == pytest.approx(tangent.energy, rel=1e-9)
+
+
+def test_iterations_of_a_taut_net_do_not_grow_with_its_size():
+    counts = [
+        form_find(net(side=side, prestress=100.0, jitter=0.02, seed=1), SolveOptions()).iterations
+        for side in (15, 30, 60)
+    ]
+    assert max(counts) <= 2 * min(counts)
+
+
+def test_frames_precondition_with_a_gauss_seidel_sweep_over_k_in_their_own_axes():
+    structure = net(side=12, jitter=0.02, seed=4, start="saddle", prestress=100.0)
+    mechanics = Mechanics(structure)
+    state = mechanics.at(structure.coordinates)
+    M = NodeFrames(mechanics, "superlu")
+    M.refresh(state)
+    n, d = structure.coordinates.shape
+    free = np.flatnonzero(structure.free[:, 0])
+    m = len(free)
+    Q = np.zeros((d, m, n, d))  # rows: local direction, free node; columns: node, axis
+    Q[:, np.arange(m), free] = M.frames
+    Q = Q.reshape(d * m, n * d)
+    K = np.zeros((n * d, n * d))
+    held = structure.free.reshape(-1)
+    K[np.ix_(held, held)] = state.dense_tangent()
+    local = Q @ K @ Q.T
+    direction = np.repeat(np.arange(d), m)
+    lower = np.where(direction[:, None] >= direction[None, :], local, 0.0)
+    diagonal = np.where(direction[:, None] == direction[None, :], local, 0.0)
+    sweep = lower @ np.linalg.solve(diagonal, lower.T)
+    g = np.zeros((n, d))
+    g[structure.free] = np.random.default_rng(0).normal(size=int(structure.free.sum()))
+    x = np.linalg.solve(sweep, Q @ g.reshape(-1))
+    assert M.apply(g).reshape(-1) == pytest.approx(Q.T @ x, abs=1e-9 * np.abs(x).max())
+
+
+@pytest.mark.parametrize("factor", FACTORS)
+def test_a_net_that_is_drawn_into_its_one_anchor_comes_to_rest(every_scene_is_large, factor):
+    points = [[0.1 * i, 0.1 * j] for i in range(4) for j in range(4)]
+    pairs = [(4 * i + j, 4 * i + j + 1) for i in range(4) for j in range(3)]
+    pairs += [(4 * i + j, 4 * i + 4 + j) for i in range(3) for j in range(4)]
+    loose = body(points, [(i, j, "cable", 1.0, 0.1) for i, j in pairs], {0: "xy"})
+    found = form_find(loose, SolveOptions(factor=factor))
+    assert found.verdict.converged
+    assert found.factorizations < 10
+
+
+def test_a_long_chain_is_left_to_the_tangent():
+    chain = from_scene(cgff_cli.new("catenary", links=300))
+    assert isinstance(choose(Mechanics(chain), SolveOptions()), SparseTangent)
+
+
+def test_the_tangent_takes_over_from_frames_that_make_no_headway():
+    slack = net(side=15, jitter=0.05, prestress=1.0, seed=1)
+    relieved = form_find(slack, SolveOptions())
+    assert relieved.verdict.converged
+    assert relieved.iterations < 100
+    held_to = form_find(slack, SolveOptions(preconditioner="frames", max_iterations=500))
+    assert relieved.energy == pytest.approx(held_to.energy, rel=1e-9)
+    assert relieved.iterations < 0.7 * held_to.iterations
