@@ -16,7 +16,7 @@ import cgff_cli
 from cgff_cli.analysis.equilibrium import SMALL
 from cgff_cli.cli import COMMANDS, main
 from cgff_cli.cli.common import ExitCode
-from cgff_cli.cli.compare import RIVALS
+from cgff_cli.cli.comparing import RIVALS
 from cgff_cli.comparison.runs import EVALUATIONS_PER_ITERATION
 from cgff_cli.mechanics.connectivity import DENSE_ENTRIES
 from cgff_cli.options import OPTIONS

@@ -4,7 +4,7 @@ A change is a function of a scene and of the value that the suite gives it, and 
 """
 
 import random
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -99,7 +99,7 @@ def _every_other_stiffened(scene: Scene, factor: float) -> Scene:
     return replace(scene, groups=groups)
 
 
-CHANGES = {
+CHANGES: dict[str, Callable[[Scene, Any], Scene]] = {
     "flatten": _flattened,
     "units": _in_units,
     "random_start": _random_start,
