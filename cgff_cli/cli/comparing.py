@@ -66,7 +66,8 @@ _REPEAT: Flag = (
     {
         "type": click.IntRange(min=1),
         "metavar": "N",
-        "help": "Runs of each method, in turn, unless one fails or runs out of time; times are medians. Default: 3.",
+        "help": "Runs of each method, in turn, unless one fails or runs out of time; times are medians. "
+        "Default: 3.",
     },
 )
 
