@@ -88,17 +88,16 @@ def meant(value: Any) -> Any:
 
 
 def _from(source: str, own: dict[str, Any], case: Case) -> Scene:
-    value = meant(own[source])
+    value, parameters = meant(own[source]), meant(own.get("parameters") or {})
     if source == "structure":
         return load(shipped(value))
     if source == "file":
         return load(os.path.join(os.path.dirname(case.path), str(own[source])))
-    if source == "family":
-        return new(value, **meant(own.get("parameters") or {}))
     try:
-        return from_dict(chain(**value))
+        return new(value, **parameters) if source == "family" else from_dict(chain(**value))
     except (TypeError, ValueError, ZeroDivisionError) as error:
-        raise OptionError(f"no chain can be made of {value!r}: {error}") from None
+        given = f" {parameters!r}" if parameters else ""
+        raise OptionError(f"no {source} can be made of {value!r}{given}: {error}") from None
 
 
 def _inline(own: dict[str, Any], case: Case) -> Scene:

@@ -17,9 +17,20 @@ from cgff_cli.scene.scene import AXES, Scene
 def changed(scene: Scene, name: str, value: Any) -> Scene:
     """Return a scene after the change of that name; raises OptionError where the value does not suit it."""
     try:
-        return CHANGES[name](scene, value)
+        found = CHANGES[name](scene, value)
     except (TypeError, ValueError, AttributeError) as error:
         raise OptionError(f"{name} cannot be {value!r}: {error}") from None
+    if not _is_sound(found):
+        raise OptionError(f"{name} {value!r} makes numbers that no scene may have")
+    return found
+
+
+def _is_sound(scene: Scene) -> bool:
+    stiffness = np.concatenate([group.EA for group in scene.groups])
+    rest = np.concatenate([group.rest_length for group in scene.groups])
+    least = rest > 0.0 if scene.law == "hooke" else rest >= 0.0
+    numbers = np.concatenate([scene.coordinates.ravel(), stiffness, rest])
+    return bool(np.isfinite(numbers).all() and (stiffness > 0.0).all() and least.all())
 
 
 def chain(links: int, span: float, length: float, EA: Sequence[float], weight: float) -> dict[str, Any]:

@@ -145,6 +145,7 @@ class Bench:
 
         place = f"case {number} of {len(self.asked)}"
         with Progress(job.case.id, delay=0.0) as progress:
+            progress.show(place)
             return measured(job, lambda method, run: progress.show(f"{place}, {method}, run {run}"))
 
     def _found(self, jobs: "list[Job]") -> "list[Row]":
