@@ -18,7 +18,7 @@ def changed(scene: Scene, name: str, value: Any) -> Scene:
     """Return a scene after the change of that name; raises OptionError where the value does not suit it."""
     try:
         found = CHANGES[name](scene, value)
-    except (TypeError, ValueError, AttributeError) as error:
+    except (TypeError, ValueError, AttributeError, ArithmeticError) as error:
         raise OptionError(f"{name} cannot be {value!r}: {error}") from None
     if not _is_sound(found):
         raise OptionError(f"{name} {value!r} makes numbers that no scene may have")

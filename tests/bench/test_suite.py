@@ -123,7 +123,7 @@ def test_a_mistake_in_a_suite_is_told_with_its_place(suite, text: str, line: int
         ("{family: tower, parameters: {stages: 0}}", "case a: stages must be a whole number from 1"),
         ("{family: tower, parameters: [3]}", "case a: no family can be made of 'tower' [3]: "),
         ("{chain: {links: 3}}", "case a: no chain can be made of {'links': 3}: "),
-        ("{structure: prism, units: [0, 1]}", "case a: units [0, 1] makes numbers that no scene may have"),
+        ("{structure: prism, units: [0, 1]}", "case a: units cannot be [0, 1]: "),
         ("{structure: prism, offset: [1e999, 0, 0]}", "makes numbers that no scene may have"),
         ("{structure: prism, flatten: [1, 1]}", "case a: flatten cannot be [1, 1]: "),
         (
