@@ -110,10 +110,7 @@ def _case(
     _check_scene(findings, (i, "scene"), blocks["scene"])
     options = _options(findings, (i, "options"), meant(blocks["options"]))
     expect = meant(blocks["expect"])
-    check_keys(findings, (i, "expect"), expect, EXPECT_KEYS)
-    fault = outcome_fault(expect.get("outcome"))
-    if fault:
-        findings.add((i, "expect", "outcome"), fault)
+    _check_expectation(findings, (i, "expect"), expect)
     notes = {key: meant(values[key]) for key in NOTES if key in values}
 
     def place(where: Where, at_key: bool) -> Mark:
@@ -136,6 +133,17 @@ def _check_scene(findings: Findings, where: Where, recipe: Collection[str]) -> N
         return
     keys = SOURCES[sources[0]] if sources else (*SOURCES, *SCENE_KEYS)
     check_keys(findings, where, recipe, (*keys, *CHANGES))
+
+
+def _check_expectation(findings: Findings, where: Where, expect: dict[str, Any]) -> None:
+    check_keys(findings, where, expect, EXPECT_KEYS)
+    fault = outcome_fault(expect.get("outcome"))
+    if fault:
+        findings.add((*where, "outcome"), fault)
+    if type(expect.get("slack", 0)) is not int:
+        findings.add((*where, "slack"), f"must be a number of cables, got {found(expect['slack'])}")
+    if not isinstance(expect.get("warns", ""), str):
+        findings.add((*where, "warns"), f"must be words of a warning, got {found(expect['warns'])}")
 
 
 def _options(findings: Findings, where: Where, given: dict[str, Any]) -> dict[str, Any]:

@@ -99,6 +99,8 @@ def test_a_scene_by_itself_is_a_case_of_no_suite():
         ("- id: a\n  scene: {structure: prism}\n  options: {repeat: 0.5}", 3, "must be a whole number > 0"),
         ("- id: a\n  scene: {structure: prism}\n  options: {toleranc: 1}", 3, "did you mean 'tolerance'?"),
         ("- id: a\n  scene: {structure: prism}\n  expect: {outcome: stable}", 3, "must be one of refused, "),
+        ("- {id: a, scene: {structure: prism}, expect: {slack: two}}", 1, "must be a number of cables, got"),
+        ("- {id: a, scene: {structure: prism}, expect: {warns: 2}}", 1, "must be words of a warning, got 2"),
         (
             "- {id: a, scene: {structure: prism}}\n- {id: a, scene: {structure: prism}}",
             2,
