@@ -42,6 +42,9 @@ def test_the_record_is_of_the_suite_that_comes_with_the_program_by_all_methods()
     assert all(tuple(row) == ROW_FIELDS for row in RECORDED["rows"])
     names = list(dict.fromkeys(row["case"] for row in RECORDED["rows"]))
     assert names == [case.id for case in cases_of([standard()])]
+    nodes = [row["nodes"] for row in RECORDED["rows"]]
+    said = f"{len(names)} scenes of {min(nodes)} to {max(nodes)} nodes"
+    assert " ".join(TEXT.split()).count(said) == 2
 
 
 def test_cgff_has_an_answer_in_every_case_of_the_record_and_equal_energies_one_shape():

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from cgff_cli import pipeline
-from cgff_cli.bench.expectation import REFUSED, as_expected
+from cgff_cli.bench.expectation import REFUSED, as_expected, outcome
 from cgff_cli.bench.jobs import Job, own_method
 from cgff_cli.comparison.alignment import aligned, alignment_of, distance_difference, largest_move, size
 from cgff_cli.comparison.compare import Observer, compare
@@ -32,6 +32,7 @@ ROW_FIELDS = (
     "verdict",
     "converged",
     "stable",
+    "outcome",
     "as_expected",
     "residual_relative",
     "energy",
@@ -59,8 +60,8 @@ def measured(job: Job, observer: Observer | None = None) -> list[Row]:
     blank = dict.fromkeys(ROW_FIELDS) | {"suite": job.case.suite, "case": job.case.id, "digest": job.digest}
     scene = job.scene
     if scene is None:
-        told = {"method": "cgff", "verdict": REFUSED, "converged": False, "as_expected": True}
-        return [blank | told | {"reached": {}, "message": job.refusal}]
+        told = {"method": "cgff", "verdict": REFUSED, "converged": False, "outcome": REFUSED}
+        return [blank | told | {"as_expected": True, "reached": {}, "message": job.refusal}]
     blank |= {
         "nodes": len(scene.node_names),
         "elements": scene.element_count,
@@ -75,20 +76,20 @@ def measured(job: Job, observer: Observer | None = None) -> list[Row]:
         row["shape_error"] = _shape_error(comparison, method)
         row["same_energy_as"], row["same_answer"] = equals.get(method.name, (None, None))
         if method.name == own_method(job.options):
-            row["as_expected"] = _as_expected(job)
+            row["outcome"], row["as_expected"] = _solved(job)
         rows.append(row)
     return rows
 
 
-def _as_expected(job: Job) -> bool | None:
-    """Return whether `solve` ends as the case expects, None where it expects nothing."""
+def _solved(job: Job) -> tuple[str | None, bool | None]:
+    """Return how `solve` ends, and whether that is as the case expects; None where it expects nothing."""
     if "outcome" not in job.case.expect or job.scene is None:
-        return None
+        return None, None
     options = {name: value for name, value in job.options.items() if name in OPTIONS}
     result = pipeline.solve(job.scene, **options)
     if result.interrupted:
         raise KeyboardInterrupt
-    return as_expected(result, job.case.expect)
+    return outcome(result), as_expected(result, job.case.expect)
 
 
 def _reached(method: Method) -> dict[str, Any]:

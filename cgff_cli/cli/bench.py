@@ -178,6 +178,6 @@ def _told(job: "Job", rows: "list[Row]") -> ExitCode:
     own = judged or rows[0]
     if own["converged"] if judged is None else own["as_expected"]:
         return ExitCode.OK
-    expected = f" where {job.case.expect['outcome']} is expected" if judged else ""
-    say(f"cgff: {job.case.id}: {own['verdict']}{expected}: {own['message']}")
+    word = f"{own['outcome']} where {job.case.expect['outcome']} is expected" if judged else own["verdict"]
+    say(f"cgff: {job.case.id}: {word}: {own['message']}")
     return ExitCode.NOT_CONVERGED

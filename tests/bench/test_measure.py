@@ -7,6 +7,7 @@ import pytest
 
 import cgff_cli
 from cgff_cli.bench import measure
+from cgff_cli.bench.expectation import agrees
 from cgff_cli.bench.jobs import Job, jobs_of, machine
 from cgff_cli.bench.measure import ROW_FIELDS, measured
 from cgff_cli.bench.suite import cases_of
@@ -67,15 +68,16 @@ def test_what_is_expected_is_expected_of_the_method_that_solve_would_run(
     job: MakeJob, options: str, outcome: str, own: str, fits: bool
 ):
     entry = f"{{id: a, scene: {{structure: prism}}, options: {options}, expect: {{outcome: {outcome}}}}}"
-    judged = {row["method"]: row["as_expected"] for row in measured(job(entry))}
-    assert judged == dict.fromkeys(judged) | {own: fits}
+    rows = {row["method"]: row for row in measured(job(entry))}
+    assert {name: row["as_expected"] for name, row in rows.items()} == dict.fromkeys(rows) | {own: fits}
+    assert agrees(rows[own]["outcome"], outcome) is fits
 
 
 def test_a_scene_refused_as_expected_is_one_row(job: MakeJob):
     entry = "{id: a, scene: {law: paper, nodes: {}}, expect: {outcome: refused}}"
     (row,) = measured(job(entry))
     assert tuple(row) == ROW_FIELDS
-    assert (row["verdict"], row["as_expected"], row["converged"]) == ("refused", True, False)
+    assert (row["verdict"], row["outcome"], row["as_expected"]) == ("refused", "refused", True)
     assert "missing key 'elements'" in row["message"]
 
 

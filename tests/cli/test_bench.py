@@ -198,7 +198,7 @@ def test_cgff_not_as_expected_or_without_an_answer_is_exit_code_4(run: Run):
     Path("suite.yaml").write_text(wrong)
     ended = run("bench", "suite.yaml", *QUICKLY)
     assert ended.exit_code == 4
-    assert ended.stderr.startswith("cgff: one/bracket: converged where refused is expected: ")
+    assert ended.stderr.startswith("cgff: one/bracket: converged-stable where refused is expected: ")
     ended = run("bench", "prism.yaml", *QUICKLY, "--max-iterations", "2")
     assert ended.exit_code == 4
     assert ended.stderr.startswith("cgff: prism: max_iterations: ")
