@@ -73,7 +73,20 @@ def test_an_interrupted_run_keeps_what_it_has_and_goes_on_there(run: Run, seen: 
     assert [row["case"] for row in after[4:]] == ["two/net"] * 2
 
 
-def test_what_is_written_survives_a_crash(run: Run, monkeypatch: pytest.MonkeyPatch):
+def test_the_file_is_written_after_every_case(run: Run, monkeypatch: pytest.MonkeyPatch):
+    real, held = measure.measured, []
+
+    def looking(job, observer=None):
+        out = Path("out.json")
+        held.append(len(json.loads(out.read_text())["rows"]) if out.exists() else 0)
+        return real(job, observer)
+
+    monkeypatch.setattr(measure, "measured", looking)
+    run("bench", "suite.yaml", *QUICKLY, "-o", "out.json")
+    assert held == [0, 2, 4]
+
+
+def test_a_case_that_breaks_leaves_the_others(run: Run, monkeypatch: pytest.MonkeyPatch):
     real = measure.measured
 
     def broken(job, observer=None):
