@@ -26,16 +26,9 @@ Row = dict[str, Any]
 
 def filled(text: str, record: dict[str, Any]) -> str:
     """Return the README's text with its blocks made anew."""
-    makers = {
-        "six structures": six_structures,
-        "families": families,
-        "not first": not_first,
-        "answers": answers,
-        "machine": machine,
-    }
 
     def made(found: re.Match[str]) -> str:
-        return found[1] + "\n".join(makers[found[2]](record)) + "\n" + found[3]
+        return found[1] + "\n".join(MAKERS[found[2]](record)) + "\n" + found[3]
 
     return BLOCK.sub(made, text)
 
@@ -135,6 +128,16 @@ def milliseconds(seconds: float) -> str:
     """Return a time in ms with three digits."""
     value = 1e3 * seconds
     return f"{value:.0f}" if value >= 100.0 else f"{value:.3g}"
+
+
+MAKERS = {
+    "six structures": six_structures,
+    "families": families,
+    "not first": not_first,
+    "answers": answers,
+    "machine": machine,
+}
+"""Name of a block -> what yields its lines."""
 
 
 def main() -> None:
