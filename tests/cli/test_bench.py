@@ -30,7 +30,7 @@ def suite(run: Run) -> None:
 
 @pytest.fixture
 def seen(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """Return the cases measured so far; a case whose name is "stop" in here is interrupted."""
+    """Return the cases measured so far; one that "stop at ID" in here names is interrupted."""
     names: list[str] = []
     real = measure.measured
 
