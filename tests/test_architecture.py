@@ -21,6 +21,7 @@ ROOMS = (
     "comparison",
     "report",
     "pipeline",
+    "bench",
     "cli",
     "__main__",
 )

@@ -36,8 +36,10 @@ def test_compare_runs_the_papers_structures_from_any_folder(installed: Path, tmp
 
 
 def test_all_structures_of_the_clone_are_in_the_package(installed: Path):
-    names = {path.name for path in (ROOT / "structures").iterdir()}
-    assert {path.name for path in (installed / "cgff_cli" / "structures").iterdir()} == names
+    here, there = ROOT / "structures", installed / "cgff_cli" / "structures"
+    names = {path.relative_to(here) for path in here.rglob("*.yaml")}
+    assert Path("suites/standard.yaml") in names
+    assert {path.relative_to(there) for path in there.rglob("*.yaml")} == names
 
 
 def test_a_checkout_has_them_beside_the_package():

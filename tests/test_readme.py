@@ -16,7 +16,7 @@ import cgff_cli
 from cgff_cli.analysis.equilibrium import SMALL
 from cgff_cli.cli import COMMANDS, main
 from cgff_cli.cli.common import ExitCode
-from cgff_cli.cli.compare import RIVALS
+from cgff_cli.cli.comparing import RIVALS
 from cgff_cli.comparison.runs import EVALUATIONS_PER_ITERATION
 from cgff_cli.mechanics.connectivity import DENSE_ENTRIES
 from cgff_cli.options import OPTIONS
@@ -32,7 +32,7 @@ BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```$", README, re.MULTILINE | re.DOTALL)
 TEXT = re.sub(r"^```.*?^```$", "", README, flags=re.MULTILINE | re.DOTALL)
 SHELL = [text for kind, text in BLOCKS if kind == "sh"]
 CONSOLE = [text for kind, text in BLOCKS if kind == "console"]
-SCENES = [text for kind, text in BLOCKS if kind in ("yaml", "json")]
+SCENES = [text for kind, text in BLOCKS if kind in ("yaml", "json") and not text.startswith("- ")]
 SET_UP = [text for text in SHELL if "pip install" in text]
 
 
@@ -249,7 +249,7 @@ def test_every_figure_names_a_command_that_exists():
             for flag in [word for word in arguments if word.startswith("--")]:
                 assert f'"{flag}"' in source
         else:
-            assert command.startswith(("cgff solve structures/", "hyperfine -N "))
+            assert command.startswith(("cgff solve structures/", "cgff bench ", "hyperfine -N "))
 
 
 def test_every_file_named_exists():

@@ -20,6 +20,7 @@ from cgff_cli.cli.common import errors_reported, word_options
 COMMANDS = {
     "solve": "Find the equilibrium shape of each scene.",
     "compare": "Form-find scenes by CGFF and by other methods, side by side.",
+    "bench": "Compare methods over many scenes.",
     "check": "Read and validate scenes without solving them.",
     "new": "Write a scene of a family: prisms, towers, polyhedra, nets, chains.",
 }

@@ -41,6 +41,11 @@ class Run(NamedTuple):
     trace: Trace
     failure: str = ""
 
+    @property
+    def tells_all(self) -> bool:
+        """Whether another run would add nothing: this one failed, or ran out of time."""
+        return self.end is None or self.end.verdict == "time_limit"
+
 
 def run(name: str, case: Case) -> Run:
     """Run a method once; an error is a run that failed, and its words say how."""

@@ -183,4 +183,6 @@ def _notes(comparison: Comparison) -> Iterator[tuple[str, str]]:
         f"shape errors are taken against cgff at its rounding floor: {words}, "
         f"residual {reference['residual_relative']:.1e}",
     )
-    yield "runs", f"{comparison.options['repeat']} of each method, taken in turn; times are medians"
+    once = any(method.verdict in ("time_limit", "failed") for method in comparison.methods)
+    words = f"{comparison.options['repeat']} of each method, taken in turn; times are medians"
+    yield "runs", words + ("; what failed or ran out of time was not run again" if once else "")

@@ -26,6 +26,7 @@ VERDICTS = {
     "gave_up": ("gave up", "red"),
     "time_limit": ("time limit", "red"),
     "failed": ("failed", "red"),
+    "refused": ("refused", "yellow"),
 }
 """Verdict -> how it is said, and its colour."""
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from cgff_cli.comparison import compare
 from cgff_cli.report import plots
 from cgff_cli.rivals.registry import REGISTRY
 from tests.cli.conftest import STRUCTURES, Run
@@ -164,3 +165,20 @@ def test_a_picture_is_written(run: Run, name: str, begins: bytes):
     assert ended.exit_code == 0, ended.stderr
     assert Path(name).read_bytes().startswith(begins)
     assert "matplotlib.pyplot" not in sys.modules
+
+
+def test_ctrl_c_leaves_the_scenes_already_compared(run: Run, monkeypatch: pytest.MonkeyPatch):
+    real = compare.compare
+
+    def interrupted(scene: str, **options: object):
+        if scene == "bracket.yaml":
+            raise KeyboardInterrupt
+        return real(scene, **options)
+
+    monkeypatch.setattr(compare, "compare", interrupted)
+    ended = run("compare", "prism.yaml", "bracket.yaml", "prism.yaml", "--lm", *ONCE, "-o", "out.json")
+    assert (ended.exit_code, ended.stderr) == (130, "cgff: bracket.yaml: interrupted\n")
+    assert json.loads(Path("out.json").read_text())["scene"]["path"] == "prism.yaml"
+    ended = run("compare", "bracket.yaml", "prism.yaml", "--lm", *ONCE, "-o", "none.json")
+    assert ended.exit_code == 130
+    assert not Path("none.json").exists()

@@ -87,6 +87,16 @@ def test_ctrl_c_writes_the_last_state_and_starts_no_other_scene(tmp_path: Path):
     assert len(result["nodes"]) == 201
 
 
+def test_ctrl_c_leaves_the_cases_already_measured(tmp_path: Path):
+    out = tmp_path / "out.json"
+    slowly = SLOWLY[2:]  # the methods stand for the objective
+    arguments = [PRISM, _long_chain(tmp_path, 200), "--residual", "--repeat", "1", *slowly, "-o", str(out)]
+    code, words = _interrupt_when_shown([*CGFF, "bench", *arguments], b"case 2 of 2")
+    assert code == 130
+    assert b"chain: interrupted" in words
+    assert [row["case"] for row in json.loads(out.read_text())["rows"]] == ["prism", "prism"]
+
+
 @pytest.mark.parametrize(
     ("arguments", "unwanted"),
     [
@@ -94,6 +104,7 @@ def test_ctrl_c_writes_the_last_state_and_starts_no_other_scene(tmp_path: Path):
         (["solve", "--help"], {"numpy", "yaml", "rich", "scipy", "json"}),
         (["solve", PRISM, "-o", "out.json"], {"scipy", "rich", "csv"}),
         (["check", PRISM], {"scipy", "rich", "json"}),
+        (["bench", "--help"], {"numpy", "yaml", "rich", "scipy", "json"}),
     ],
 )
 def test_only_what_is_needed_is_imported(tmp_path: Path, arguments: list[str], unwanted: set[str]):

@@ -1,7 +1,6 @@
 """The hard scenes as data: read, built, solved and judged against references that no solver of ours made."""
 
-import random
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -10,10 +9,12 @@ import numpy as np
 import yaml
 
 import cgff_cli
-from cgff_cli.scene.scene import AXES
+from cgff_cli.bench.case import Case as Entry
+from cgff_cli.bench.case import built
+from cgff_cli.bench.expectation import agrees, as_expected, outcome
+from cgff_cli.bench.suite import cases_of
 
 FOLDER = Path(__file__).parent
-STRUCTURES = FOLDER.parents[1] / "structures"
 FILES = ("ends.yaml", "scales.yaml", "shapes.yaml", "large.yaml")
 MOST_ITERATIONS = 200
 """No scene needs more: the work grows with the scene, not with its condition number."""
@@ -27,7 +28,7 @@ class Case:
     """One entry: how its scene is made, the options to solve it by, and what must come out."""
 
     id: str
-    scene: dict[str, Any]
+    scene: Entry
     options: dict[str, Any]
     expect: dict[str, Any]
     covers: list[str]
@@ -58,13 +59,8 @@ class Outcome:
 @cache
 def cases() -> dict[str, Case]:
     """Return every case by its id."""
-    found: dict[str, Case] = {}
-    for name in FILES:
-        for entry in yaml.safe_load((FOLDER / name).read_text()):
-            case = Case(**{"options": {}, **entry})
-            assert case.id not in found, case.id
-            found[case.id] = case
-    return found
+    entries = cases_of(str(FOLDER / name) for name in FILES)
+    return {own.id: Case(own.id, own, own.options, own.expect, **own.notes) for own in entries}
 
 
 @cache
@@ -74,131 +70,19 @@ def references() -> dict[str, dict[str, Any]]:
     return yaml.load(path.read_text(), getattr(yaml, "CSafeLoader", yaml.SafeLoader)) or {}
 
 
-def built(recipe: dict[str, Any], path: str = "<hard>") -> "cgff_cli.Scene":
-    """Return a scene: inline, from structures/, or of a family, then moved, scaled or disturbed in order."""
-    changes = dict(recipe)
-    if "structure" in changes:
-        scene = cgff_cli.load(STRUCTURES / f"{changes.pop('structure')}.yaml")
-    elif "chain" in changes:
-        scene = cgff_cli.from_dict(chain(**changes.pop("chain")))
-    elif "family" in changes:
-        scene = cgff_cli.new(changes.pop("family"), **changes.pop("parameters", {}))
-    else:
-        plain = {key: changes.pop(key) for key in tuple(changes) if key not in CHANGES}
-        scene = cgff_cli.from_dict(plain)
-    for name, value in changes.items():
-        scene = CHANGES[name](scene, value)
-    return scene
-
-
-def chain(links: int, span: float, length: float, EA: list[float], weight: float) -> dict[str, Any]:
-    """Return a chain of equal links, of the stiffnesses EA in turn, that starts as a level line."""
-    last = f"n{links}"
-    return {
-        "law": "hooke",
-        "nodes": {f"n{i}": [span * i / links, 0.0] for i in range(links + 1)},
-        "elements": {
-            "links": {
-                "kind": "cable",
-                "EA": [EA[i % len(EA)] for i in range(links)],
-                "rest_length": length / links,
-                "pairs": [[f"n{i}", f"n{i + 1}"] for i in range(links)],
-            }
-        },
-        "supports": {"n0": "xy", last: "xy"},
-        "loads": {f"n{i}": [0.0, -weight / links] for i in range(1, links)},
-    }
-
-
-def _flattened(scene, factors):
-    return replace(scene, coordinates=scene.coordinates * np.array(factors))
-
-
-def _offset(scene, by):
-    return replace(scene, coordinates=scene.coordinates + np.array(by))
-
-
-def _in_units(scene, units):
-    length, force = units
-    stiffness = force / length if scene.law == "paper" else force
-    groups = tuple(
-        replace(group, EA=group.EA * stiffness, rest_length=group.rest_length * length)
-        for group in scene.groups
-    )
-    loads = {row: tuple(force * part for part in load) for row, load in scene.loads.items()}
-    return replace(scene, coordinates=scene.coordinates * length, groups=groups, loads=loads)
-
-
-def _random_start(scene, seed):
-    """Return the scene with its free directions anywhere in a box of twice the longest rest length."""
-    return _moved(scene, seed, max(float(group.rest_length.max()) for group in scene.groups), 0.0)
-
-
-def _noisy(scene, given):
-    seed, reach = given
-    X, groups = scene.coordinates, scene.groups
-    l = np.concatenate([np.linalg.norm(X[g.pairs[:, 0]] - X[g.pairs[:, 1]], axis=1) for g in groups])
-    return _moved(scene, seed, reach * float(l.mean()), 1.0)
-
-
-def _moved(scene, seed, reach, kept):
-    draw = random.Random(f"hard {seed}").uniform
-    X = scene.coordinates
-    moved = kept * X + np.array([draw(-reach, reach) for _ in range(X.size)]).reshape(X.shape)
-    for row, axes in scene.supports.items():
-        held = [AXES.index(axis) for axis in axes]
-        moved[row, held] = X[row, held]
-    return replace(scene, coordinates=moved)
-
-
-def _stiffened(scene, factors):
-    groups = tuple(replace(group, EA=group.EA * factors.get(group.name, 1.0)) for group in scene.groups)
-    return replace(scene, groups=groups)
-
-
-def _every_other_stiffened(scene, factor):
-    """Return the scene with every other element of each group stiffer."""
-    groups = tuple(
-        replace(group, EA=group.EA * np.where(np.arange(len(group.EA)) % 2, factor, 1.0))
-        for group in scene.groups
-    )
-    return replace(scene, groups=groups)
-
-
-CHANGES = {
-    "flatten": _flattened,
-    "units": _in_units,
-    "random_start": _random_start,
-    "noise": _noisy,
-    "stiffen": _stiffened,
-    "stiffen_every_other": _every_other_stiffened,
-    "offset": _offset,
-}
-
-
 def solved(case: Case) -> Outcome:
     """Return what cgff makes of a case, measured against its reference."""
     try:
-        scene = built(case.scene, case.id)
+        scene = built(case.scene)
     except cgff_cli.SceneError as error:
         return Outcome("refused", None, {}, {}, str(error))
     result = cgff_cli.solve(scene, **case.options)
-    word = result.verdict
-    if result.converged:
-        kind = result.analysis["stability"] or "unjudged"
-        word = f"{'floor' if word == 'rounding_floor' else 'converged'}-{kind}"
+    word = outcome(result)
     reference = references().get(case.id)
     if reference is None or not result.converged:
         return Outcome(word, result, {}, {}, result.message)
     errors, allowed = measured(result, reference, case.expect)
     return Outcome(word, result, errors, allowed, result.message)
-
-
-def agrees(word: str, expected: str) -> bool:
-    """Return whether an outcome is the one expected; `balanced` stands for `converged` or `floor`."""
-    if expected.startswith("balanced"):
-        return word in (expected.replace("balanced", kind, 1) for kind in ("converged", "floor"))
-    return word == expected
 
 
 def measured(
@@ -295,19 +179,15 @@ def is_balanced(case: Case, result: "cgff_cli.Result") -> bool:
     return left <= 1.01 * float(case.options.get("tolerance", 1e-10)) + 4.0 * blur
 
 
-def is_right(case: Case, outcome: Outcome) -> bool:
+def is_right(case: Case, found: Outcome) -> bool:
     """Return whether outcome, errors, slack cables and warnings are those expected, and forces balance."""
-    result = outcome.result
-    if not agrees(outcome.word, case.expect["outcome"]) or outcome.share > 1.0:
+    result = found.result
+    if not agrees(found.word, case.expect["outcome"]) or found.share > 1.0:
         return False
     if result is None:
         return True
     if result.converged and result.counts["iterations"] > MOST_ITERATIONS:
         return False
-    if case.expect.get("slack", result.analysis["slack_count"]) != result.analysis["slack_count"]:
-        return False
-    if not any(
-        case.expect.get("warns", "") in said for said in (*result.warnings, case.expect.get("warns", ""))
-    ):
+    if not as_expected(result, case.expect):
         return False
     return not result.converged or is_balanced(case, result)

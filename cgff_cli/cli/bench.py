@@ -1,0 +1,183 @@
+"""`cgff bench`: many scenes by several methods, a row per case and method, resumed where it stopped."""
+
+import sys
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from cgff_cli.cli.common import (
+    ExitCode,
+    SectionCommand,
+    report_error,
+    say,
+    wanted,
+    word_options,
+    worst,
+)
+from cgff_cli.cli.comparing import (
+    check_targets,
+    comparing_flags,
+    comparing_options,
+    form_of,
+    wanted_methods,
+)
+from cgff_cli.report.files import STDOUT, is_stream, write_output
+
+if TYPE_CHECKING:
+    from cgff_cli.bench.jobs import Job
+    from cgff_cli.bench.measure import Row
+
+EPILOG = """\b
+Examples:
+  cgff bench -o bench.json
+  cgff bench --only towers/ --lm --lbfgs --format table
+  cgff bench suite.yaml prism.yaml --all --repeat 1 -o rows.csv
+"""
+
+_ONLY = (
+    ("--only",),
+    "Cases",
+    {"metavar": "WORD", "multiple": True, "help": "Only cases with WORD in their id; may be repeated."},
+)
+_AGAIN = (
+    ("--again",),
+    "Cases",
+    {"is_flag": True, "help": "Measure anew what FILE.json holds already."},
+)
+
+
+@click.command("bench", cls=SectionCommand, epilog=EPILOG)
+@click.argument("suites", nargs=-1, metavar="[SUITE|SCENE...]", type=click.Path())
+@comparing_flags(
+    "all",
+    10.0,
+    "Write to FILE after every case: .json everything, to go on from when started again; .csv a table.",
+    [_ONLY, _AGAIN],
+)
+@word_options
+@click.pass_context
+def command(ctx: click.Context, suites: tuple[str, ...], **values: Any) -> None:
+    """Compare methods over many scenes.
+
+    A SUITE is a YAML list of cases, a SCENE a case by itself; without either it takes the suite that comes
+    with the program. Started again with the same -o FILE.json, it measures only what is not yet in there
+    or has changed: the case, the options, the program or the machine.
+    """
+    bench = Bench(suites, values)
+    code = ExitCode.OK
+    for number, job in enumerate(bench.asked, 1):
+        code = worst(code, bench.done(job, number))
+        if code is ExitCode.INTERRUPTED:
+            break
+    bench.finish()
+    ctx.exit(code)
+
+
+class Bench:
+    """One run of the command: the jobs, the rows there are of them, and where those go.
+
+    jobs  : all cases of the suites; asked : those to be measured in this run
+    rows  : digest -> rows
+    """
+
+    def __init__(self, suites: tuple[str, ...], values: dict[str, Any]):
+        from cgff_cli.bench.jobs import jobs_of
+        from cgff_cli.bench.suite import cases_of, standard
+
+        self.path = None if values["output"] == STDOUT else values["output"]
+        self.form = form_of(values["output_format"], self.path, table_too=True)
+        self.table = "table" in (self.form, values["output_format"])
+        check_targets(suites, [self.path])
+        methods, self.options = wanted_methods(values, "all"), comparing_options(values)
+        self.jobs = jobs_of(cases_of(suites or [standard()]), methods, self.options)
+        self.options |= {"methods": methods}
+        self.asked = _selected(self.jobs, values["only"])
+        self.rows: dict[str, list[Row]] = self._kept(values["again"])
+
+    def done(self, job: "Job", number: int) -> ExitCode:
+        """Measure one job, unless its rows are there already; write what there is, tell how it ended."""
+        if job.digest not in self.rows:
+            try:
+                self.rows[job.digest] = self._measured(job, number)
+            except KeyboardInterrupt:
+                say(f"cgff: {job.case.id}: interrupted")
+                return ExitCode.INTERRUPTED
+            except Exception as error:
+                say(f"cgff: {job.case.id}: not measured")
+                return report_error(error)
+            if self.path is not None and not is_stream(self.path):
+                write_output(self.path, self._text())
+        if self.table:
+            from cgff_cli.report.bench_text import case_text
+
+            write_output(STDOUT, [case_text(self.rows[job.digest], terminal=sys.stdout.isatty())])
+        return _told(job, self.rows[job.digest])
+
+    def finish(self) -> None:
+        """Write what takes all rows at once."""
+        if self.table and self._found(self.asked):
+            from cgff_cli.report.bench_text import summary_text
+
+            write_output(STDOUT, [summary_text(self._found(self.asked), terminal=sys.stdout.isatty())])
+        if self.path is not None:
+            write_output(self.path, self._text())
+        elif not self.table:
+            write_output(STDOUT, self._text())
+
+    def _kept(self, again: bool) -> "dict[str, list[Row]]":
+        """Return the rows of an earlier run, without those to be measured again."""
+        if self.form != "json" or self.path is None or is_stream(self.path):
+            return {}
+        from cgff_cli.bench.record import kept
+
+        rows = kept(self.path, self.jobs)
+        for job in self.asked if again else ():
+            rows.pop(job.digest, None)
+        return rows
+
+    def _measured(self, job: "Job", number: int) -> "list[Row]":
+        from cgff_cli.bench.measure import measured
+
+        if wanted("quiet") or not sys.stderr.isatty():
+            return measured(job)
+        from cgff_cli.report.progress import Progress
+
+        place = f"case {number} of {len(self.asked)}"
+        with Progress(job.case.id, delay=0.0) as progress:
+            progress.show(place)
+            return measured(job, lambda method, run: progress.show(f"{place}, {method}, run {run}"))
+
+    def _found(self, jobs: "list[Job]") -> "list[Row]":
+        return [row for job in jobs for row in self.rows.get(job.digest, [])]
+
+    def _text(self) -> Iterable[str]:
+        """Return the pieces of the file: of all jobs, those not asked for in this run among them."""
+        rows = self._found(self.jobs)
+        if self.form == "csv":
+            from cgff_cli.report.bench_csv import bench_table
+
+            return bench_table(rows)
+        from cgff_cli.bench.record import record
+        from cgff_cli.report import json_out
+
+        return json_out.pretty(record(self.options, rows).items())
+
+
+def _selected(jobs: "list[Job]", only: tuple[str, ...]) -> "list[Job]":
+    """Return the jobs whose id holds one of the words."""
+    asked = [job for job in jobs if not only or any(word in job.case.id for word in only)]
+    if not asked:
+        raise click.UsageError(f"no case has {' or '.join(map(repr, only))} in its id")
+    return asked
+
+
+def _told(job: "Job", rows: "list[Row]") -> ExitCode:
+    """Say on standard error where CGFF did not end as it should, and return the exit code."""
+    judged = next((row for row in rows if row["as_expected"] is not None), None)
+    own = judged or rows[0]
+    if own["converged"] if judged is None else own["as_expected"]:
+        return ExitCode.OK
+    word = f"{own['outcome']} where {job.case.expect['outcome']} is expected" if judged else own["verdict"]
+    say(f"cgff: {job.case.id}: {word}: {own['message']}")
+    return ExitCode.NOT_CONVERGED

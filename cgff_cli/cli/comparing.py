@@ -1,0 +1,138 @@
+"""What the commands that compare methods share: flags, the options they stand for, where output goes."""
+
+import os
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import click
+
+from cgff_cli.cli.common import Decorated, SectionOption
+from cgff_cli.cli.options import FORMATS, given_solve_options, solve_option
+from cgff_cli.errors import CgffError
+from cgff_cli.options import OPTIONS
+from cgff_cli.report.files import STDOUT, check_target, is_stream
+
+RIVALS = {
+    "fdm": ("fdm", "Form-finding from connectivity and signs alone; with supports, --schek."),
+    "schek": ("schek", "The linear force density method with CGFF's force densities; needs supports."),
+    "fsolve": ("fsolve", "scipy's fsolve with the exact Jacobian."),
+    "fsolve-fd": ("fsolve-fd", "scipy's fsolve without a Jacobian, by finite differences."),
+    "lm": ("lm", "scipy's Levenberg-Marquardt method with the exact Jacobian."),
+    "table1": ("table1", "The paper's Table I to the letter."),
+    "residual": ("cgff-residual", "CGFF on eq. (10), half the squared residual."),
+    "lbfgs": ("lbfgs", "scipy's L-BFGS-B on the energy."),
+    "dr": ("dr", "Dynamic relaxation with kinetic damping."),
+    "all": ("all", "Every method that suits the scene."),
+}
+"""Flag -> the method it adds, and its help."""
+
+SOLVE_OPTIONS = tuple(name for name in OPTIONS if name not in ("method", "objective"))
+"""The solve options that are flags here; the methods stand for the other two."""
+
+SUFFIXES = {".json": "json", ".csv": "csv"}
+
+Flag = tuple[tuple[str, ...], str, dict[str, Any]]
+"""Names, section of the help, and attributes of an option."""
+
+
+def comparing_flags(
+    default: str, time_limit: float, contents: str, more: Sequence[Flag] = ()
+) -> Callable[[Decorated], Decorated]:
+    """Return what adds a flag per rival, then those of comparing, of output and of solving.
+
+    default    : the method flag that holds where none is given
+    time_limit : the command's own default
+    contents   : what a file gets that -o names
+    """
+    flags: list[Flag] = [
+        ((f"--{flag}",), f"Methods beside CGFF (--{default} unless given)", {"is_flag": True, "help": text})
+        for flag, (_, text) in RIVALS.items()
+    ]
+    flags += [_REPEAT, _time_limit(time_limit), _FORMAT, _output(contents), *more]
+
+    def add(function: Decorated) -> Decorated:
+        for name in reversed(SOLVE_OPTIONS):
+            function = solve_option(name, 1e-12 if name == "tolerance" else None)(function)
+        for names, section, attributes in reversed(flags):
+            function = click.option(*names, cls=SectionOption, section=section, **attributes)(function)
+        return function
+
+    return add
+
+
+_REPEAT: Flag = (
+    ("--repeat",),
+    "Comparing",
+    {
+        "type": click.IntRange(min=1),
+        "metavar": "N",
+        "help": "Runs of each method, in turn, unless one fails or runs out of time; times are medians. "
+        "Default: 3.",
+    },
+)
+
+_FORMAT: Flag = (
+    ("--format", "output_format"),
+    "Output",
+    {
+        "type": click.Choice(FORMATS),
+        "help": "What to write to standard output. Default: table on a terminal, json in a pipe.",
+    },
+)
+
+
+def _time_limit(default: float) -> Flag:
+    attributes = {
+        "type": click.FloatRange(min=0.0, min_open=True),
+        "metavar": "X",
+        "help": f"Seconds after which a run is ended. Default: {default:g}.",
+    }
+    return ("--time-limit",), "Comparing", attributes
+
+
+def _output(contents: str) -> Flag:
+    attributes = {"metavar": "FILE", "type": click.Path(allow_dash=True), "help": contents}
+    return ("-o", "--output"), "Output", attributes
+
+
+def wanted_methods(values: Mapping[str, Any], default: str) -> list[str]:
+    """Return the methods whose flags were given, or the default."""
+    asked = [method for flag, (method, _) in RIVALS.items() if values[flag.replace("-", "_")]]
+    return asked or [default]
+
+
+def comparing_options(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the options of solving and comparing that were set on the command line."""
+    own = {name: values[name] for name in ("repeat", "time_limit") if values[name] is not None}
+    return own | given_solve_options({name: values[name] for name in SOLVE_OPTIONS})
+
+
+def form_of(output_format: str | None, path: str | None, *, table_too: bool = False) -> str:
+    """Return the format to write: by the file's suffix, by the flag, or by where it goes.
+
+    table_too : a table may be asked for beside a file
+    """
+    if path is not None and path != STDOUT and not is_stream(path):
+        form = SUFFIXES.get(os.path.splitext(path)[1].lower())
+        if form is None:
+            raise click.UsageError(f"-o {path}: the name must end in .json (everything) or .csv (a table)")
+        if output_format not in (None, form, "table" if table_too else None):
+            raise click.UsageError(f"--format {output_format} and -o {path} disagree")
+        return form
+    return output_format or ("table" if sys.stdout.isatty() and path in (None, STDOUT) else "json")
+
+
+def check_targets(inputs: Sequence[str], targets: Sequence[str | None]) -> None:
+    """Refuse what cannot be written, or would replace another file of this run, before any work."""
+    taken = [os.path.realpath(path) for path in inputs if path != STDOUT]
+    for target in targets:
+        if target is None or target == STDOUT or is_stream(target):
+            continue
+        if os.path.realpath(target) in taken:
+            raise click.UsageError(f"{target} would be written over another file of this run")
+        taken.append(os.path.realpath(target))
+        try:
+            check_target(target)
+        except CgffError as error:
+            raise click.UsageError(str(error)) from error

@@ -1,0 +1,157 @@
+"""The rows of a bench for the terminal: a block per case, and what all of them say together."""
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+from rich.console import RenderableType
+from rich.text import Text
+
+from cgff_cli.report.terminal import (
+    Column,
+    aligned,
+    clean,
+    count,
+    duration,
+    fields,
+    rendered,
+    verdict_words,
+)
+
+SHOWN = ("1e-04", "1e-08", "1e-12")
+"""Tolerances to which the table shows times."""
+
+TOLD_THE_ANSWER = ("fdm", "schek")
+"""Methods that are given CGFF's answer, or are laid over it by more than a rigid motion: never the first."""
+
+_NAMED = 5
+
+Rows = Sequence[Mapping[str, Any]]
+
+
+def case_text(rows: Rows, *, terminal: bool) -> str:
+    """Return the block of one case: a line per method; terminal: colour it."""
+    return rendered(_case(rows), terminal)
+
+
+def summary_text(rows: Rows, *, terminal: bool) -> str:
+    """Return a line per method over all cases, and what is to be told of them."""
+    return rendered(_summary(rows), terminal)
+
+
+def first_to(rows: Rows, tolerance: str) -> str | None:
+    """Return the method of one case that is first within a tolerance, None where none gets there.
+
+    A balance that is not stable is no answer, nor is one that the method was told.
+    """
+    times = {
+        row["method"]: seconds
+        for row in rows
+        if row["method"] not in TOLD_THE_ANSWER
+        and row["stable"] is not False
+        and (seconds := seconds_to(row, tolerance)) is not None
+    }
+    return min(times, key=lambda method: times[method], default=None)
+
+
+def seconds_to(row: Mapping[str, Any], tolerance: str) -> float | None:
+    """Return the time of a row to a tolerance, None where it was never reached."""
+    return (row["reached"].get(tolerance) or {}).get("seconds")
+
+
+def by_case(rows: Rows) -> dict[tuple[str | None, str], list[Mapping[str, Any]]]:
+    """Return the rows of each case, by suite and name, in order."""
+    cases: dict[tuple[str | None, str], list[Mapping[str, Any]]] = {}
+    for row in rows:
+        cases.setdefault((row["suite"], row["case"]), []).append(row)
+    return cases
+
+
+def _case(rows: Rows) -> Iterator[RenderableType]:
+    first = rows[0]
+    size = "no scene"
+    if first["nodes"] is not None:
+        size = (
+            f"{count(first['nodes'], 'node')}, {count(first['elements'], 'element')}, {first['dimension']}-D"
+        )
+    judged = {True: ", as expected", False: ", not as expected", None: ""}
+    word = next((row["as_expected"] for row in rows if row["as_expected"] is not None), None)
+    yield Text.assemble((clean(first["case"]), "bold"), "  ", (size + judged[word], "dim"))
+    verdicts = [verdict_words(row["verdict"]) for row in rows]
+    stable = {True: "stable", False: "not stable", None: "-"}
+    yield from aligned(
+        [
+            Column("method", [row["method"] for row in rows]),
+            Column("verdict", [words for words, _ in verdicts], styles=[style for _, style in verdicts]),
+            Column("stability", [stable[row["stable"]] for row in rows]),
+            _column("residual", rows, "residual_relative", "{:.1e}".format),
+            _column("shape", rows, "shape_error", "{:.1e}".format),
+            _column("iterations", rows, "iterations", str),
+            *(
+                Column(f"to {tolerance}", [_cell(seconds_to(row, tolerance), duration) for row in rows], True)
+                for tolerance in SHOWN
+            ),
+        ]
+    )
+    yield Text("")
+
+
+def _column(title: str, rows: Rows, name: str, text: Callable[[Any], str]) -> Column:
+    return Column(title, [_cell(row[name], text) for row in rows], True)
+
+
+def _cell(value: Any, text: Callable[[Any], str]) -> str:
+    return "-" if value is None else text(value)
+
+
+def _summary(rows: Rows) -> Iterator[RenderableType]:
+    cases = by_case(rows)
+    methods = list(dict.fromkeys(row["method"] for row in rows))
+    own = {method: [row for row in rows if row["method"] == method] for method in methods}
+    ends = {method: Counter(row["verdict"] for row in own[method]) for method in methods}
+    balanced = [sum(bool(row["converged"]) for row in own[method]) for method in methods]
+    columns = [
+        Column("method", methods),
+        Column("cases", [str(len(own[method])) for method in methods], True),
+        Column("equilibrium", [str(number) for number in balanced], True),
+        Column("out of time", [str(ends[method]["time_limit"]) for method in methods], True),
+        Column("failed", [str(ends[method]["failed"]) for method in methods], True),
+    ]
+    for tolerance in SHOWN:
+        firsts = Counter(first_to(case, tolerance) for case in cases.values())
+        cells = ["-" if method in TOLD_THE_ANSWER else str(firsts[method]) for method in methods]
+        columns.append(Column(f"first to {tolerance}", cells, True))
+    yield from aligned(columns)
+    yield Text("")
+    yield fields(remarks(rows))
+
+
+def remarks(rows: Rows) -> Iterator[tuple[str, str]]:
+    """Yield what all rows say together: about expectations, and about answers of one energy."""
+    cases = by_case(rows)
+    yield "measured", f"{count(len(cases), 'case')}, {count(len(rows), 'row')}"
+    judged = [row for row in rows if row["as_expected"] is not None]
+    if judged:
+        wrong = [row["case"] for row in judged if not row["as_expected"]]
+        right = len(judged) - len(wrong)
+        yield "expected", f"{right} of {len(judged)} cases end as their suite says{_but(wrong)}"
+    pairs = [row for row in rows if row["same_answer"] is not None]
+    if pairs:
+        other = [
+            f"{row['case']} ({row['method']}, {row['same_energy_as']})"
+            for row in pairs
+            if not row["same_answer"]
+        ]
+        yield (
+            "answers",
+            f"where two methods claim a stable equilibrium of one energy, it is one shape to 1e-8 in "
+            f"{len(pairs) - len(other)} of {count(len(pairs), 'pair')}{_but(other)}",
+        )
+
+
+def _but(names: Sequence[str]) -> str:
+    """Return "; not: ..." for exceptions by name, nothing where there are none."""
+    if not names:
+        return ""
+    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+    return f"; not: {', '.join(map(clean, names[:_NAMED]))}{more}"
