@@ -23,8 +23,8 @@ GOOD_FIT = 0.25
 def force_density_start(mechanics: Mechanics, state: State, factored: Factored) -> State:
     """Return the force density solution (Schek 1974) with q = k if its energy is lower, else `state`.
 
-    Where its lengths do not fit the rest lengths it is repeated with q in proportion to l / l0, which pulls
-    at what is too long.
+    Where its lengths do not fit the rest lengths it is repeated with q raised by (l / l0)^1.5, which pulls at
+    what is too long; a cable whose force density alone changed would answer with about the inverse of that.
     """
     q = mechanics.structure.stiffness
     best = _solved(mechanics, state, q, factored(q))
@@ -33,7 +33,7 @@ def force_density_start(mechanics: Mechanics, state: State, factored: Factored) 
         mean = float(ratio.mean())
         if float(ratio.std()) <= GOOD_FIT * (mean - 1.0) or mean < 0.01:  # drawn into its anchors: no ratio
             break
-        q = q * (ratio / mean).clip(0.01, 100.0)
+        q = q * ((ratio / mean) ** 1.5).clip(0.01, 100.0)
         found = _solved(mechanics, state, q, factored(q))
         if found.energy >= best.energy:
             break

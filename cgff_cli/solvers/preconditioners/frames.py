@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from cgff_cli.mechanics.elements import TINY
 from cgff_cli.mechanics.pattern import GraphPattern
 from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.solvers.factors import Factor, factory, kind_of_factor
@@ -63,7 +64,7 @@ class NodeFrames:
         self.kind = kind_of_factor(kind)
         self.factories = [factory(*parts, self.kind) for _ in range(d)]
         self.factors: list[Factor] = []
-        self.shared: tuple[Factor, float] | None = None
+        self.shared: tuple[Factor, np.ndarray] | None = None
         self.scale = 1.0
         self.frames = np.zeros((d, len(self.moves), d))
         self.between: dict[tuple[int, int], Any] = {}
@@ -80,29 +81,38 @@ class NodeFrames:
 
         def factored(q: np.ndarray) -> Factor:
             factor = self._factor(-1, self.pattern.fill(q, q, -q))
-            self.shared = factor, float(q.sum())
+            self.shared = factor, q
             return factor
 
-        return force_density_start(self.mechanics, state, factored)
+        start = force_density_start(self.mechanics, state, factored)
+        if start is state:
+            self.shared = None
+        return start
 
     def refresh(self, state: State) -> None:
-        """Set up frames, factors and the blocks between them at a state if the present ones are spent."""
+        """Set up frames, factors and the blocks between them at a state if the present ones are spent.
+
+        At a force density start they take its own force densities, which balance, and not those that its
+        lengths give, which scatter about them by as much as lengths do over the strain.
+        """
         if not self.is_spent:
             return
-        structure, slack, d = self.mechanics.structure, state.slack, state.X.shape[1]
-        k = np.where(slack, SLACK_SHARE, 1.0) * structure.stiffness
-        q = np.where(slack, k, state.q)
+        structure, d = self.mechanics.structure, state.X.shape[1]
+        if self.shared is not None:
+            factor, q = self.shared
+            self.scale = max(float(state.q.sum()), TINY) / float(q.sum())
+            k, q = structure.stiffness, self.scale * q
+            known = [factor]
+        else:
+            slack = state.slack
+            k = np.where(slack, SLACK_SHARE, 1.0) * structure.stiffness
+            q = np.where(slack, k, state.q)
+            self.scale, known = 1.0, []
         frames = local_frames(structure, k, state.u)
         self.frames = frames[:, self.moves]
         block = _blocks(self.pattern, k - q, q, state.u, frames)
-        self.factors, self.scale = [], 1.0
-        for f in range(d - (self.shared is not None)):
-            self.factors.append(self._factor(f, block(f, f)))
-        if self.shared is not None:
-            factor, weight = self.shared
-            self.factors.append(factor)
-            self.scale = float(q.sum()) / weight
-            self.shared = None
+        self.factors = [self._factor(f, block(f, f)) for f in range(d - len(known))] + known
+        self.shared = None
         self.between = {}
         for f in range(d):
             for g in range(f):
