@@ -74,7 +74,7 @@ def built(case: Case) -> Scene:
 def meant(value: Any) -> Any:
     """Return what values written without quotes mean: numbers, true and false, nothing, else text."""
     if isinstance(value, dict):
-        return {key: meant(entry) for key, entry in value.items()}
+        return {str(key): meant(entry) for key, entry in value.items()}
     if isinstance(value, list):
         return [meant(entry) for entry in value]
     if is_absent(value):

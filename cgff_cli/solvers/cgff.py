@@ -20,7 +20,7 @@ from cgff_cli.solvers.curvature import separated
 from cgff_cli.solvers.line_search import FLAT, FLAT_ENOUGH_FOR_NEWTON, Goal, strong_wolfe
 from cgff_cli.solvers.moves import Direction, Move, parabola_step
 from cgff_cli.solvers.objectives import Line
-from cgff_cli.solvers.rescues import detour, escape, relieve
+from cgff_cli.solvers.rescues import begin, detour, escape, relieve
 from cgff_cli.solvers.run import Run
 from cgff_cli.solvers.scaling import centred_and_scaled
 from cgff_cli.solvers.solution import History, Observer, Solution, Watcher, concluded
@@ -51,6 +51,7 @@ def form_find(
     X, warning = separated(scaled, options.seed)
     run = Run(Mechanics(scaled), X, frame, options, History(observer, watcher))
     try:
+        begin(run, loop)
         verdict = loop(run)
     except KeyboardInterrupt:
         verdict = Verdict.INTERRUPTED
@@ -69,9 +70,6 @@ def form_find(
 
 def loop(run: Run) -> Verdict:
     """Iterate until a stopping test holds."""
-    start = run.preconditioner.better_start(run.state)
-    if start is not run.state:
-        run.state, run.g = start, run.objective.gradient(start)
     move = Move(0.0, 0.0, 0.0, False)
     iteration = 0
     while True:
@@ -81,7 +79,7 @@ def loop(run: Run) -> Verdict:
         if verdict is None and _is_stationary(run):
             return Verdict.ROUNDING_FLOOR if balance.at_floor else Verdict.STATIONARY
         if verdict is None:
-            relieve(run)
+            relieve(run, run.watch.waited)
             taken = detour(run, loop) or _descend(run, balance)
             verdict = Verdict.ROUNDING_FLOOR if balance.at_floor else Verdict.STEP_VANISHED
         else:

@@ -1,25 +1,60 @@
-"""What a run does when its steps lead nowhere: another preconditioner, a detour, a way down from a saddle."""
+"""What a run does beside its steps: a better start, another preconditioner, a detour, a way off a saddle."""
 
 from collections.abc import Callable
 from dataclasses import replace
 
 from cgff_cli.mechanics.norms import norm
 from cgff_cli.mechanics.state import Mechanics
+from cgff_cli.solvers import tightening
 from cgff_cli.solvers.curvature import farthest_fall
 from cgff_cli.solvers.moves import Move
 from cgff_cli.solvers.preconditioners import choose
 from cgff_cli.solvers.run import Run
 from cgff_cli.solvers.softening import LOOSE, MOST_DETOURS, STAGE_LIMIT, WAIT, softened
 from cgff_cli.solvers.solution import History
+from cgff_cli.solvers.tightening import fit, tightened
+
+SLIGHT = 3e-4
+"""Mean strain of a net below which nothing but the tangent makes quick headway."""
+
+BAD_START = 20
+"""Iterations without headway that a net is worth which begins with less, or with lengths that do not fit."""
 
 MAX_ESCAPES = 20
 """Unstable equilibria left behind along their negative stiffness before one is reported as such."""
 
 
-def relieve(run: Run) -> None:
-    """Put the tangent in the place of a preconditioner that makes no headway, unless it was asked for."""
+def begin(run: Run, loop: Callable[[Run], object]) -> None:
+    """Move to a better start where there is one: a force density solution, then by way of tighter nets."""
+    start = run.preconditioner.better_start(run.state)
+    if start is run.state:
+        return
+    run.state, last, structure = start, float("inf"), run.mechanics.structure
+    now = fit(start.l, structure)
+    while now.can_tighten and now.wanted < 0.5 * last:
+        last = now.wanted
+        options = replace(run.options, tolerance=tightening.LOOSE, max_iterations=tightening.STAGE_LIMIT)
+        stage = Run(Mechanics(tightened(structure, now)), run.state.X, run.frame, options, History())
+        stage.preconditioner = run.preconditioner
+        loop(stage)
+        run.evaluations += stage.evaluations
+        run.preconditioner.stiffen()
+        found = run.mechanics.at(stage.state.X)
+        if found.energy >= run.state.energy:
+            break
+        run.state, now = found, fit(found.l, structure)
+    run.g = run.objective.gradient(run.state)
+    if not now.is_good or now.strain < SLIGHT:
+        relieve(run, BAD_START)
+
+
+def relieve(run: Run, waited: int) -> None:
+    """Put the tangent in the place of a preconditioner that makes no headway, unless it was asked for.
+
+    waited: iterations since the last headway.
+    """
     old = run.preconditioner
-    if run.options.preconditioner == "auto" and old.is_beaten(run.watch.waited):
+    if run.options.preconditioner == "auto" and old.is_beaten(waited):
         run.preconditioner = choose(run.mechanics, replace(run.options, preconditioner="tangent"))
         run.preconditioner.factorizations += old.factorizations
         run.detours, run.last = MOST_DETOURS, None

@@ -12,6 +12,7 @@ from cgff_cli.solvers.cgff import form_find
 from cgff_cli.solvers.preconditioners import choose
 from cgff_cli.solvers.preconditioners.frames import NodeFrames
 from cgff_cli.solvers.preconditioners.sparse import SparseTangent
+from cgff_cli.solvers.tightening import fit, tightened
 from cgff_cli.structure import from_scene
 from tests.bodies import body
 
@@ -109,3 +110,43 @@ def test_the_tangent_takes_over_from_frames_that_make_no_headway():
     held_to = form_find(slack, SolveOptions(preconditioner="frames", max_iterations=500))
     assert relieved.energy == pytest.approx(held_to.energy, rel=1e-9)
     assert relieved.iterations < 0.7 * held_to.iterations
+
+
+@pytest.mark.parametrize("prestress", [100.0, 1.0, 1e-2, 1e-4])
+def test_iterations_do_not_grow_as_a_net_is_strained_less(prestress):
+    found = form_find(net(side=25, prestress=prestress, seed=1), SolveOptions())
+    assert found.verdict.converged
+    assert found.iterations < 40
+    assert not found.state.slack.any()
+
+
+def test_lengths_fit_where_they_scatter_less_than_cables_are_strained():
+    structure = net(side=15, prestress=100.0)
+    even = fit(1.09 * structure.rest_lengths, structure)
+    assert even.strain == pytest.approx(0.09)
+    assert even.scatter == pytest.approx(0.0, abs=1e-12)
+    assert even.is_good
+    assert not even.can_tighten
+    uneven = fit(structure.rest_lengths * np.resize([0.99, 1.02], len(structure.rest_lengths)), structure)
+    assert uneven.can_tighten
+    hanging = fit(structure.rest_lengths * np.resize([0.7, 0.9], len(structure.rest_lengths)), structure)
+    assert not hanging.is_good
+    assert not hanging.can_tighten
+
+
+def test_a_tightened_net_fits_the_lengths_it_was_tightened_for():
+    structure = net(side=15)
+    l = structure.rest_lengths * np.resize([0.99, 1.02], len(structure.rest_lengths))
+    tight = tightened(structure, fit(l, structure))
+    assert fit(l, tight).strain == pytest.approx(fit(l, tight).wanted, rel=0.1)
+
+
+@pytest.mark.parametrize("factor", FACTORS)
+def test_by_way_of_tighter_nets_the_shape_is_the_one_that_the_tangent_finds(factor):
+    structure = net(side=14, prestress=0.1, jitter=0.002, seed=3)
+    found = form_find(structure, SolveOptions(factor=factor))
+    tangent = form_find(structure, SolveOptions(preconditioner="tangent", factor=factor, max_iterations=500))
+    assert found.verdict.converged
+    assert tangent.verdict.converged
+    assert found.energy == pytest.approx(tangent.energy, rel=1e-8)
+    assert found.iterations < tangent.iterations

@@ -9,35 +9,29 @@ from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.solvers.factors import Factor
 from cgff_cli.solvers.line_search import FLAT, Goal, strong_wolfe
 from cgff_cli.solvers.objectives import Energy
+from cgff_cli.solvers.tightening import fit
 
 Factored = Callable[[np.ndarray], Factor]
 """From (b,) force densities to a factor of D_ff over the nodes that move, eq. (4)."""
 
-MOST_RESTS = 4
-"""Repetitions with other force densities."""
-
-GOOD_FIT = 0.25
-"""Lengths fit where l / l0 scatters by no more than this share of the mean strain."""
+DRAWN_IN = 0.01
+"""Mean of l / l0 in a net that force densities alone draw into its anchors: it has no ratio to go by."""
 
 
 def force_density_start(mechanics: Mechanics, state: State, factored: Factored) -> State:
     """Return the force density solution (Schek 1974) with q = k if its energy is lower, else `state`.
 
-    Where its lengths do not fit the rest lengths it is repeated with q raised by (l / l0)^1.5, which pulls at
-    what is too long; a cable whose force density alone changed would answer with about the inverse of that.
+    Where its lengths do not fit the rest lengths it is repeated once with q times (l / l0)^1.5, to pull at
+    what is too long; a cable whose force density alone changed would answer with about the inverse.
     """
-    q = mechanics.structure.stiffness
+    structure = mechanics.structure
+    q = structure.stiffness
     best = _solved(mechanics, state, q, factored(q))
-    for _ in range(MOST_RESTS):
-        ratio = best.l / mechanics.structure.rest_lengths.clip(TINY)
-        mean = float(ratio.mean())
-        if float(ratio.std()) <= GOOD_FIT * (mean - 1.0) or mean < 0.01:  # drawn into its anchors: no ratio
-            break
+    ratio = best.l / structure.rest_lengths.clip(TINY)
+    mean = float(ratio.mean())
+    if not fit(best.l, structure).is_good and mean > DRAWN_IN:
         q = q * ((ratio / mean) ** 1.5).clip(0.01, 100.0)
-        found = _solved(mechanics, state, q, factored(q))
-        if found.energy >= best.energy:
-            break
-        best = found
+        best = min(best, _solved(mechanics, state, q, factored(q)), key=lambda found: found.energy)
     return best if best.energy < state.energy else state
 
 

@@ -40,11 +40,14 @@ RENEWAL_COST = 10.0
 SHORT_STEP = 0.2
 """Renew after a step this short."""
 
-MOST_RENEWALS, MOST_WAITED = 15, 15
-"""Renewals, and iterations without headway, after which the tangent is to take over ..."""
+PATIENCE, LONG_PATIENCE = 15, 50
+"""Renewals, or iterations without headway, after which the tangent is to take over; long where it is dear."""
 
-MOST_NODES = {"superlu": 5_000, "cholmod": 100_000}
-"""... if no more nodes are free than this: a factor of the tangent costs that of many renewals."""
+DEAR = 10_000
+"""Free nodes from which a factor of the tangent by SuperLU costs that of many renewals."""
+
+MOST_NODES = 100_000
+"""Free nodes up to which a factor of the tangent is to be had: it takes ten times the memory of ours."""
 
 
 class NodeFrames:
@@ -165,8 +168,9 @@ class NodeFrames:
 
     def is_beaten(self, waited: int) -> bool:
         """Return whether factors are asked for too often or no longer help."""
-        failing = self.renewals > MOST_RENEWALS or waited > MOST_WAITED
-        return failing and len(self.moves) <= MOST_NODES[self.kind]
+        count = len(self.moves)
+        patience = LONG_PATIENCE if self.kind == "superlu" and count > DEAR else PATIENCE
+        return count <= MOST_NODES and (self.renewals > patience or waited > patience)
 
     def steepest_fall(self, state: State) -> np.ndarray | None:
         """Return None: without compression no stiffness is negative."""
