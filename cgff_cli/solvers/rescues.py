@@ -14,7 +14,7 @@ from cgff_cli.solvers.softening import LOOSE, MOST_DETOURS, STAGE_LIMIT, WAIT, s
 from cgff_cli.solvers.solution import History
 from cgff_cli.solvers.tightening import fit, tightened
 
-SLIGHT = 3e-4
+SLIGHT = 2e-3
 """Mean strain of a net below which nothing but the tangent makes quick headway."""
 
 BAD_START = 20

@@ -60,6 +60,7 @@ def main():
     parser.add_argument("--jitter", type=float, default=0.01)
     parser.add_argument("--prestress", type=float, default=100.0)
     arguments = parser.parse_args()
+    cgff.form_find(from_scene(cgff_cli.new("net", side=20)), SolveOptions(factor=arguments.factor))  # imports
     plain, before = frames.factory, None
     print(
         f"{'elements':>8} {'nodes':>7} {'verdict':10} {'iterations':>10} {'seconds':>8} {'exponent':>8}"
