@@ -31,11 +31,12 @@ def begin(run: Run, loop: Callable[[Run], object]) -> None:
         return
     run.state, last, structure = start, float("inf"), run.mechanics.structure
     now = fit(start.l, structure)
+    options = replace(run.options, preconditioner="frames", tolerance=tightening.LOOSE)
+    options = replace(options, max_iterations=tightening.STAGE_LIMIT)
     while now.can_tighten and now.wanted < 0.5 * last:
         last = now.wanted
-        options = replace(run.options, tolerance=tightening.LOOSE, max_iterations=tightening.STAGE_LIMIT)
-        stage = Run(Mechanics(tightened(structure, now)), run.state.X, run.frame, options, History())
-        stage.preconditioner = run.preconditioner
+        tighter = Mechanics(tightened(structure, now))
+        stage = Run(tighter, run.state.X, run.frame, options, History(), run.preconditioner)
         loop(stage)
         run.evaluations += stage.evaluations
         run.preconditioner.stiffen()

@@ -9,6 +9,7 @@ from cgff_cli.solvers.directions import RULES
 from cgff_cli.solvers.moves import Direction, Move
 from cgff_cli.solvers.objectives import OBJECTIVES
 from cgff_cli.solvers.preconditioners import choose
+from cgff_cli.solvers.preconditioners.base import Preconditioner
 from cgff_cli.solvers.scaling import Frame
 from cgff_cli.solvers.solution import History
 from cgff_cli.solvers.stopping import Balance, Gauge, Watch
@@ -18,12 +19,18 @@ class Run:
     """One run of the loop: where it is, what it remembers of the last direction, and its counts."""
 
     def __init__(
-        self, mechanics: Mechanics, X: np.ndarray, frame: Frame, options: SolveOptions, history: History
+        self,
+        mechanics: Mechanics,
+        X: np.ndarray,
+        frame: Frame,
+        options: SolveOptions,
+        history: History,
+        preconditioner: Preconditioner | None = None,
     ):
         self.mechanics, self.frame, self.history = mechanics, frame, history
         self.objective = OBJECTIVES[options.objective](mechanics)
         self.options, self.rule = options, RULES[options.cg_beta]
-        self.preconditioner = choose(mechanics, options)
+        self.preconditioner = preconditioner or choose(mechanics, options)
         self.gauge = Gauge(mechanics)
         self.watch = Watch(options.tolerance, options.max_iterations)
         self.evaluations = 1
