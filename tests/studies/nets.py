@@ -1,6 +1,6 @@
 """Anchored cable nets: time to 1e-10 in linear force density solves, and how it grows.
 
-    OPENBLAS_NUM_THREADS=1 python tests/studies/nets.py [--sides 30,100,300] [--jitter 0.05] [--prestress 100]
+    OPENBLAS_NUM_THREADS=1 python tests/studies/nets.py [--sides 30,100,300] [--jitter 0.05] [--prestress 100,1]
 
 One linear force density solve is a SuperLU factor of the n x n force density matrix and three solves with
 it, of the same net in the same process: `linear` with the ordering and panels that cgff uses, `plain` with
@@ -31,8 +31,8 @@ TUNED = {
 }
 
 HEAD = (
-    f"{'side':>5} {'elements':>8} {'factor':8} {'verdict':10} {'iterations':>10} {'factors':>7} {'slack':>6}"
-    f" {'seconds':>8} {'linear':>7} {'ratio':>6} {'plain':>7} {'ratio':>6} {'GB':>5}"
+    f"{'side':>5} {'elements':>8} {'prestress':>9} {'factor':8} {'verdict':14} {'iterations':>10}"
+    f" {'factors':>7} {'slack':>6} {'seconds':>8} {'linear':>7} {'ratio':>6} {'plain':>7} {'ratio':>6} {'GB':>5}"
 )
 
 
@@ -60,9 +60,9 @@ def linear_solve(structure, **how):
     return call
 
 
-def study(side, arguments):
-    """Print one row per factor for a net of this side."""
-    given = {name: getattr(arguments, name) for name in ("jitter", "prestress", "snow")}
+def study(side, prestress, arguments):
+    """Print one row per factor for a net of this side and prestress."""
+    given = {"jitter": arguments.jitter, "snow": arguments.snow, "prestress": prestress}
     structure = from_scene(cgff_cli.new("net", side=side, seed=1, **given))
     runs = []
     for factor in arguments.factors.split(","):
@@ -73,9 +73,9 @@ def study(side, arguments):
     plain, _ = least_seconds(linear_solve(structure), arguments.repeat)
     for factor, seconds, found in runs:
         print(
-            f"{side:5} {len(structure.start):8} {factor:8} {found.verdict:10} {found.iterations:10}"
-            f" {found.factorizations:7} {int(found.state.slack.sum()):6} {seconds:8.3f} {linear:7.3f}"
-            f" {seconds / linear:6.2f} {plain:7.3f} {seconds / plain:6.2f} {peak:5.2f}",
+            f"{side:5} {len(structure.start):8} {prestress:9g} {factor:8} {found.verdict:14}"
+            f" {found.iterations:10} {found.factorizations:7} {int(found.state.slack.sum()):6}"
+            f" {seconds:8.3f} {linear:7.3f} {seconds / linear:6.2f} {plain:7.3f} {seconds / plain:6.2f} {peak:5.2f}",
             flush=True,
         )
 
@@ -85,13 +85,14 @@ def main():
     parser.add_argument("--sides", default="30,100,300")
     parser.add_argument("--jitter", type=float, default=0.05)
     parser.add_argument("--snow", type=float, default=0.0)
-    parser.add_argument("--prestress", type=float, default=100.0)
+    parser.add_argument("--prestress", default="100")
     parser.add_argument("--factors", default="superlu,cholmod")
     parser.add_argument("--repeat", type=int, default=3)
     arguments = parser.parse_args()
     print(HEAD)
     for side in map(int, arguments.sides.split(",")):
-        study(side, arguments)
+        for prestress in map(float, arguments.prestress.split(",")):
+            study(side, prestress, arguments)
 
 
 if __name__ == "__main__":

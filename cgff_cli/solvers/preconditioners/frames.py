@@ -43,7 +43,7 @@ SHORT_STEP = 0.2
 PATIENCE, LONG_PATIENCE = 15, 50
 """Renewals, or iterations without headway, after which the tangent is to take over; long where it is dear."""
 
-DEAR = 10_000
+DEAR = 5_000
 """Free nodes from which a factor of the tangent by SuperLU costs that of many renewals."""
 
 MOST_NODES = 100_000
