@@ -25,12 +25,18 @@ MAX_ESCAPES = 20
 
 
 def begin(run: Run, loop: Callable[[Run], object]) -> None:
-    """Move to a better start where there is one: a force density solution, then by way of tighter nets."""
+    """Move to a better start where there is one: a force density solution, then by way of tighter nets.
+
+    Where that start is loose it is no guide: how far stiff cables sag, lengths decide and not forces.
+    """
     start = run.preconditioner.better_start(run.state)
     if start is run.state:
         return
-    run.state, last, structure = start, float("inf"), run.mechanics.structure
+    last, structure = float("inf"), run.mechanics.structure
     now = fit(start.l, structure)
+    if now.is_loose and relieve(run, BAD_START):
+        return
+    run.state = start
     options = replace(run.options, preconditioner="frames", tolerance=tightening.LOOSE)
     options = replace(options, max_iterations=tightening.STAGE_LIMIT)
     while now.can_tighten and now.wanted < 0.5 * last:
@@ -45,20 +51,22 @@ def begin(run: Run, loop: Callable[[Run], object]) -> None:
             break
         run.state, now = found, fit(found.l, structure)
     run.g = run.objective.gradient(run.state)
-    if not now.is_good or now.strain < SLIGHT:
+    if now.is_mesh and (not now.is_good or now.strain < SLIGHT):
         relieve(run, BAD_START)
 
 
-def relieve(run: Run, waited: int) -> None:
-    """Put the tangent in the place of a preconditioner that makes no headway, unless it was asked for.
+def relieve(run: Run, waited: int) -> bool:
+    """Put the tangent in the place of a preconditioner that makes no headway, and return whether it was done.
 
-    waited: iterations since the last headway.
+    waited: iterations since the last headway. A preconditioner that was asked for by name stays.
     """
     old = run.preconditioner
-    if run.options.preconditioner == "auto" and old.is_beaten(waited):
-        run.preconditioner = choose(run.mechanics, replace(run.options, preconditioner="tangent"))
-        run.preconditioner.factorizations += old.factorizations
-        run.detours, run.last = MOST_DETOURS, None
+    if run.options.preconditioner != "auto" or not old.is_beaten(waited):
+        return False
+    run.preconditioner = choose(run.mechanics, replace(run.options, preconditioner="tangent"))
+    run.preconditioner.factorizations += old.factorizations
+    run.watch.waited, run.last = 0, None
+    return True
 
 
 def escape(run: Run) -> Move | None:
@@ -87,7 +95,7 @@ def detour(run: Run, loop: Callable[[Run], object]) -> Move | None:
     run.detours += 1
     run.watch.waited = 0
     X = run.state.X
-    options = replace(run.options, tolerance=LOOSE, max_iterations=STAGE_LIMIT)
+    options = replace(run.options, preconditioner="tangent", tolerance=LOOSE, max_iterations=STAGE_LIMIT)
     for softer in softened(run.mechanics.structure):
         stage = Run(Mechanics(softer), X, run.frame, options, History())
         stage.detours = MOST_DETOURS

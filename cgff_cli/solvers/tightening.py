@@ -17,6 +17,9 @@ from cgff_cli.structure import Structure
 GOOD_FIT = 0.3
 """Lengths fit where l / l0 scatters by no more than this share of the mean strain."""
 
+MESHED = 1.25
+"""Cables per free node from which they are a mesh; a chain has one, and hangs by its loads alone."""
+
 MOST_SHORTENING = 0.3
 
 LOOSE = 1e-3
@@ -27,10 +30,11 @@ STAGE_LIMIT = 30
 
 
 class Fit(NamedTuple):
-    """Mean strain of cables, and the scatter of l / l0 about its mean."""
+    """Mean strain of cables, the scatter of l / l0 about its mean, and whether they form a mesh."""
 
     strain: float
     scatter: float
+    is_mesh: bool
 
     @property
     def wanted(self) -> float:
@@ -43,16 +47,22 @@ class Fit(NamedTuple):
         return self.strain >= self.wanted
 
     @property
+    def is_loose(self) -> bool:
+        """Whether cables are longer than the lengths by more than the scatter: they hang, and stiffly."""
+        return self.strain < -GOOD_FIT * self.scatter
+
+    @property
     def can_tighten(self) -> bool:
-        """Whether shorter cables lead near the shape: not in a net that hangs loose."""
-        return not self.is_good and self.strain > -GOOD_FIT * self.scatter
+        """Whether shorter cables lead near the shape: not in a chain, nor in a net that hangs loose."""
+        return self.is_mesh and not self.is_good and not self.is_loose
 
 
 def fit(l: np.ndarray, structure: Structure) -> Fit:
     """Return how (b,) lengths fit the rest lengths."""
     ratio = l / structure.rest_lengths.clip(TINY)
     mean = float(ratio.mean())
-    return Fit(mean - 1.0, float(ratio.std()))
+    is_mesh = len(l) >= MESHED * np.count_nonzero(structure.free.any(axis=1))
+    return Fit(mean - 1.0, float(ratio.std()), bool(is_mesh))
 
 
 def tightened(structure: Structure, now: Fit) -> Structure:

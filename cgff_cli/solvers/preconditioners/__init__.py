@@ -7,9 +7,6 @@ from cgff_cli.options import SolveOptions
 from cgff_cli.solvers.preconditioners.base import Identity, Preconditioner
 from cgff_cli.solvers.preconditioners.dense import DenseTangent
 
-MESHED = 1.25
-"""Cables per free node from which they form a mesh; a chain has one, and its tangent is cheap to factor."""
-
 
 def choose(mechanics: Mechanics, options: SolveOptions) -> Preconditioner:
     """Return the preconditioner that the scene and the options ask for.
@@ -34,12 +31,10 @@ def choose(mechanics: Mechanics, options: SolveOptions) -> Preconditioner:
 
 
 def _is_anchored_net(mechanics: Mechanics) -> bool:
-    """Return whether it is a mesh of cables, nodes held or free, and every part held somewhere."""
+    """Return whether all elements are cables, nodes held or free, and every part held somewhere."""
     structure = mechanics.structure
     pinned = np.logical_not(structure.free.any(axis=1))
     if not structure.tension_only.all() or np.any(pinned == structure.free.all(axis=1)):
-        return False
-    if len(structure.start) < MESHED * np.count_nonzero(~pinned):
         return False
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
