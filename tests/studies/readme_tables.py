@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[2]
 README = ROOT / "README.md"
 RECORD = Path(__file__).parent / "bench.json"
 BLOCK = re.compile(r"(<!-- bench: ([\w ]+) -->\n).*?(<!-- end -->)", re.DOTALL)
-COLUMNS = ("cgff", "cgff-residual", "table1", "fdm or schek", "fsolve", "lm", "lbfgs", "dr")
+COLUMNS = ("cgff", "cgff-residual", "table1", "fdm or schek", "fsolve", "fsolve-fd", "lm", "lbfgs", "dr")
 FAMILIES_TO = "1e-08"
 
 Row = dict[str, Any]
