@@ -114,6 +114,7 @@ def _case(
     notes = {key: meant(values[key]) for key in NOTES if key in values}
 
     def place(where: Where, at_key: bool) -> Mark:
+        """Return line and column of an entry of this case."""
         return document.place((i, *where), at_key)
 
     return Case(str(name), suite, blocks["scene"], path, place, options, expect, notes)

@@ -52,6 +52,7 @@ def comparing_flags(
     flags += [_REPEAT, _time_limit(time_limit), _FORMAT, _output(contents), *more]
 
     def add(function: Decorated) -> Decorated:
+        """Add the flags to a command."""
         for name in reversed(SOLVE_OPTIONS):
             function = solve_option(name, 1e-12 if name == "tolerance" else None)(function)
         for names, section, attributes in reversed(flags):

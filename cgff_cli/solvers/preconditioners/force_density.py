@@ -45,6 +45,7 @@ def _solved(mechanics: Mechanics, state: State, q: np.ndarray, factor: Factor) -
     moves = structure.free[:, 0]
 
     def answer(forces: np.ndarray) -> np.ndarray:
+        """Return (n, d) positions under (n, d) nodal forces, zero at held nodes."""
         x = np.zeros_like(forces)
         x[moves] = factor.solve(np.asfortranarray(forces[moves]))
         return x

@@ -83,6 +83,7 @@ class NodeFrames:
         """
 
         def factored(q: np.ndarray) -> Factor:
+            """Return a factor of D_ff, and keep it."""
             factor = self._factor(-1, self.pattern.fill(q, q, -q))
             self.shared = factor, q
             return factor
@@ -200,6 +201,7 @@ def _blocks(
     along, beyond = (np.einsum("ei,fei->fe", u, ends) for ends in (here, there))
 
     def entries(f: np.ndarray, g: np.ndarray, rate: np.ndarray, other: np.ndarray) -> np.ndarray:
+        """Return what each element puts into a block, (b,)."""
         return stiff * rate * other + q * np.einsum("ei,ei->e", f, g)
 
     def block(f: int, g: int) -> np.ndarray:
