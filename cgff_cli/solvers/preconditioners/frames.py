@@ -8,7 +8,7 @@ n x n matrices, one for each pair of local directions f, g:
 
 g' at an element's other node. Factors of the d diagonal blocks and products with the others make a
 symmetric Gauss-Seidel sweep: down the directions and up again, 2 d - 1 scalar solves. The sweep takes half
-the iterations of the diagonal blocks alone, and those a third of what blocks along coordinate axes take,
+the iterations of the diagonal blocks alone, and those a half to a quarter of what coordinate axes take,
 which mix the two stiffnesses where a net is curved. Factors are kept while they serve.
 """
 
