@@ -10,6 +10,7 @@ Names are loaded on first use, so that `import cgff_cli` and `cgff --help` cost 
 from importlib import import_module
 
 __version__ = "0.1.0"
+TOOL = {"name": "cgff", "version": __version__}
 
 _HOME = {
     "load": "cgff_cli.scene.read",

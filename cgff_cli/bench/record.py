@@ -5,7 +5,7 @@ import os
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from cgff_cli import __version__
+from cgff_cli import TOOL
 from cgff_cli.bench.jobs import Job, machine
 from cgff_cli.bench.measure import Row
 from cgff_cli.errors import OptionError
@@ -17,7 +17,7 @@ def record(options: Mapping[str, Any], rows: Iterable[Row]) -> dict[str, Any]:
     """Return every field of the JSON, in the order it is written; options are those of the command line."""
     return {
         "schema": SCHEMA,
-        "tool": {"name": "cgff", "version": __version__},
+        "tool": dict(TOOL),
         "machine": machine(),
         "options": dict(options),
         "rows": list(rows),

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from cgff_cli import __version__
+from cgff_cli import TOOL
 from cgff_cli.scene.scene import Scene
 
 SCHEMA = "cgff-compare/1"
@@ -84,13 +84,12 @@ class Comparison:
     @property
     def tool(self) -> dict[str, str]:
         """Name and version of what made this."""
-        return {"name": "cgff", "version": __version__}
+        return dict(TOOL)
 
     @property
     def scene(self) -> dict[str, Any]:
         """Which scene was solved: name, path, law, dimension."""
-        source = self.source
-        return {"name": source.name, "path": source.path, "law": source.law, "dimension": source.dimension}
+        return self.source.summary
 
     def to_dict(self) -> dict[str, Any]:
         """Return every field of the JSON, in the order it is written."""

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from cgff_cli import __version__
+from cgff_cli import TOOL
 from cgff_cli.options import SolveOptions
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers.solution import Solution
@@ -32,13 +32,12 @@ class Result:
     @property
     def tool(self) -> dict[str, str]:
         """Name and version of what made this."""
-        return {"name": "cgff", "version": __version__}
+        return dict(TOOL)
 
     @property
     def scene(self) -> dict[str, Any]:
         """Which scene was solved: name, path, law, dimension."""
-        source = self.source
-        return {"name": source.name, "path": source.path, "law": source.law, "dimension": source.dimension}
+        return self.source.summary
 
     @property
     def options(self) -> dict[str, Any]:

@@ -53,6 +53,11 @@ class Scene:
         return int(self.coordinates.shape[1])
 
     @property
+    def summary(self) -> dict[str, str | int]:
+        """Name, path, law and dimension: which scene it is."""
+        return {"name": self.name, "path": self.path, "law": self.law, "dimension": self.dimension}
+
+    @property
     def element_count(self) -> int:
         """How many elements all groups hold."""
         return sum(len(group.EA) for group in self.groups)

@@ -55,6 +55,8 @@ def form_find(
         verdict = loop(run)
     except KeyboardInterrupt:
         verdict = Verdict.INTERRUPTED
+        if not run.history.rows:  # on the way to a better start
+            run.record(0, run.gauge.measure(run.state), Move(0.0, 0.0, 0.0, False))
     local = Mechanics(replace(structure, coordinates=structure.coordinates - frame.centre))
     return concluded(
         local.at(run.state.X * frame.length),

@@ -124,7 +124,7 @@ def test_the_tangent_takes_over_from_frames_that_make_no_headway():
 
 
 @pytest.mark.parametrize("prestress", [100.0, 1.0, 1e-2, 1e-4])
-def test_iterations_do_not_grow_as_a_net_is_strained_less(prestress):
+def test_iterations_do_not_grow_as_an_even_net_is_strained_less(prestress):
     found = form_find(net(side=25, prestress=prestress, seed=1), SolveOptions())
     assert found.verdict.converged
     assert found.iterations < 18
@@ -161,3 +161,15 @@ def test_by_way_of_tighter_nets_the_shape_is_the_one_that_the_tangent_finds(fact
     assert tangent.verdict.converged
     assert found.energy == pytest.approx(tangent.energy, rel=1e-8)
     assert found.iterations < tangent.iterations
+
+
+def test_ctrl_c_on_the_way_to_a_better_start_leaves_the_start(monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(NodeFrames, "better_start", interrupted)
+    structure = net(side=15)
+    found = form_find(structure, SolveOptions())
+    assert found.verdict == "interrupted"
+    assert found.iterations == 0
+    assert found.coordinates == pytest.approx(structure.coordinates, abs=1e-12)
