@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from cgff_cli.analysis.ranks import rank_conditions, rank_tolerance
+from cgff_cli.analysis.ranks import force_density_threshold, rank_conditions, rank_tolerance
 from cgff_cli.analysis.stability import is_super_stable, stability
 from cgff_cli.mechanics.rigid import rigid_motions
 from cgff_cli.options import SolveOptions
@@ -49,9 +49,11 @@ def analysed(scene: Scene, solution: Solution, options: SolveOptions) -> dict[st
         rigid = rigid_motions(state.X, state.mechanics.structure.free)
         found |= rank_conditions(state, tolerance, rigid.shape[1])
         if solution.verdict.converged:
-            found |= stability(state, rigid, solution.floor)
+            found |= stability(state, solution.floor)
             found["super_stable"] = (
-                prestressed and found["stable"] is True and is_super_stable(state, tolerance)
+                prestressed
+                and found["stable"] is True
+                and is_super_stable(state, force_density_threshold(state, tolerance))
             )
     elif options.analysis == "auto" and solution.verdict.converged:
         from cgff_cli.analysis.large import stability_of_large
@@ -67,6 +69,19 @@ def analysed(scene: Scene, solution: Solution, options: SolveOptions) -> dict[st
         "struts_in_tension_count": len(pulled),
         "struts_in_tension": labels(scene, pulled[:MOST_NAMED]),
     }
+
+
+STABILITY_WORDS = {
+    "unstable": "unstable: the forces balance, but the least disturbance makes the structure leave this "
+    "shape; solve with objective energy to see where it goes",
+    "neutral": "neutral: as far as double precision can tell, there is a motion that nothing resists, so "
+    "that this shape is one of many; prestress, members or supports would fix it",
+}
+
+
+def stability_warnings(analysis: dict[str, Any]) -> tuple[str, ...]:
+    """Return what a person is told of an equilibrium that is not stable."""
+    return tuple(words for kind, words in STABILITY_WORDS.items() if analysis.get("stability") == kind)
 
 
 def labels(scene: Scene, rows: np.ndarray) -> list[str]:

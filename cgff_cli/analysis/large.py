@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from cgff_cli.analysis.stability import resisting_stiffness
+from cgff_cli.analysis.stability import MOST_REFINEMENTS, resisting_stiffness, told
+from cgff_cli.mechanics.norms import norm
 from cgff_cli.mechanics.rigid import rigid_motions
 from cgff_cli.mechanics.state import State
 from cgff_cli.solvers.preconditioners.sparse import SparseTangent
@@ -19,12 +20,18 @@ def stability_of_large(state: State, kind: str, floor: float) -> dict[str, Any]:
     structure = state.mechanics.structure
     k = resisting_stiffness(state, floor)
     if structure.tension_only.all() and not _is_partly_held(structure.free):
-        found: str | None = "stable" if _is_all_tied(state, k > 0.0) else "neutral"
-    else:
-        found = SparseTangent(state.mechanics, False, kind).kind_of_balance(state, k)
-        if found == "neutral" and not _is_settled(state):
-            found = None
-    return {"stable": None if found is None else found == "stable", "stability": found}
+        return told("stable" if _is_all_tied(state, k > 0.0) else "neutral", state, float("inf"))
+    tangent = SparseTangent(state.mechanics, False, kind)
+    found = tangent.kind_of_balance(state, k)
+    for _ in range(MOST_REFINEMENTS):
+        there = tangent.refined(state) if found == "neutral" and norm(state.free_eta) > floor else state
+        if there is state:
+            break
+        state = there
+        found = tangent.kind_of_balance(state, k)
+    if found == "neutral" and not _is_settled(state):
+        return {"stable": None, "stability": None}
+    return told(found, state, floor)
 
 
 def _is_settled(state: State) -> bool:

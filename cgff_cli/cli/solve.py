@@ -91,6 +91,4 @@ def _tell(scene: str, result: "Result") -> ExitCode:
         return ExitCode.INTERRUPTED
     if not result.converged:
         return ExitCode.NOT_CONVERGED
-    if result.analysis.get("stable") is False:
-        warn(f"cgff: {name}: unstable: the forces balance, but the least disturbance changes the shape")
     return ExitCode.OK

@@ -10,9 +10,7 @@ from cgff_cli.analysis.equilibrium import analysed
 from cgff_cli.comparison.alignment import aligned, distance_difference, largest_move
 from cgff_cli.comparison.record import Method, Nodes, Point, ShapePoint
 from cgff_cli.comparison.runs import Case, Run
-from cgff_cli.mechanics.state import Mechanics
 from cgff_cli.rivals.registry import REGISTRY
-from cgff_cli.rivals.task import centred
 from cgff_cli.rivals.trace import TOLERANCES, Mark
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers.solution import History, Solution, concluded
@@ -35,19 +33,19 @@ class Answer(NamedTuple):
 
 def solution_at(case: Case, X: np.ndarray) -> Solution:
     """Return the Solution that a shape (n, d) about the centroid of the start amounts to."""
-    structure = centred(case.structure)
+    structure = case.structure
     centre = case.structure.coordinates.mean(axis=0)
     history = History()
     history.add(*[0] * 9)  # a start: its numbers are not asked for
     tolerance = case.options.tolerance
-    found = concluded(Mechanics(structure).at(X), centre, Verdict.STEP_VANISHED, tolerance, history, 0)
+    found = concluded(structure, X, centre, Verdict.STEP_VANISHED, tolerance, history, 0)
     if found.residual_max <= tolerance * found.reference:
         verdict = Verdict.CONVERGED
     elif found.residual_max <= found.floor:
         verdict = Verdict.ROUNDING_FLOOR
     else:
         return found
-    return concluded(found.state, centre, verdict, tolerance, history, 0)
+    return concluded(structure, X, centre, verdict, tolerance, history, 0)
 
 
 def judged(scene: Scene, case: Case, name: str, runs: list[Run], cgff: Answer | None) -> Method:
@@ -79,7 +77,7 @@ def judged(scene: Scene, case: Case, name: str, runs: list[Run], cgff: Answer | 
         _relative(solution),
         solution.energy,
         alignment,
-        nodes(scene, X + solution.centre),
+        nodes(scene, solution.placed(X)),
         lengths.tolist(),
         q.tolist(),
         *_differences(X, lengths, q, cgff or Answer(X, lengths, q)),

@@ -29,6 +29,12 @@ class Mechanics:
         ends = np.concatenate((structure.start, structure.end))
         return np.bincount(ends, np.tile(structure.stiffness, 2), minlength=len(structure.coordinates))
 
+    @cached_property
+    def scale_stiffness(self) -> np.ndarray:
+        """(n,) the same, the mean for a node without elements: what a shift is measured in is never 0."""
+        own = self.nodal_stiffness
+        return np.where(own > 0.0, own, own.mean())
+
     def at(self, X: np.ndarray) -> "State":
         """Return the state at (n, d) positions X."""
         return State(self, X)
@@ -64,6 +70,19 @@ class State:
     def slack(self) -> np.ndarray:
         """(b,) bool, cables shorter than their rest length, which carry nothing."""
         return ~elements.taut(self.stretch, self.mechanics.least)
+
+    @property
+    def size(self) -> float:
+        """Largest coordinate, length and extension added up: what rounding is relative to."""
+        return float(np.abs(self.X).max()) + float(self.l.max()) + float(np.abs(self.e).max())
+
+    @property
+    def rounding(self) -> np.ndarray:
+        """(b,) how far rounding blurs each extension: by eps of its ends' coordinates, of l and of e."""
+        reach = np.abs(self.X).max(axis=1)
+        structure = self.mechanics.structure
+        far = np.maximum(reach[structure.start], reach[structure.end])
+        return elements.EPS * (far + self.l + np.abs(self.e))
 
     @property
     def active_stiffness(self) -> np.ndarray:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from cgff_cli import TOOL
+from cgff_cli.analysis.equilibrium import stability_warnings
 from cgff_cli.options import SolveOptions
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers.solution import Solution
@@ -67,8 +68,8 @@ class Result:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What deserves a second look: the scene's warnings, then the solver's."""
-        return self.source.warnings + self.solution.warnings
+        """What deserves a second look: the scene's warnings, the solver's, then what the analysis found."""
+        return self.source.warnings + self.solution.warnings + stability_warnings(self.analysis)
 
     @property
     def residual(self) -> dict[str, float]:

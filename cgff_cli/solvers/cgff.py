@@ -8,8 +8,6 @@ until the forces balance. Where this departs from the paper's Table I: objective
 search, stopping test, restarts.
 """
 
-from dataclasses import replace
-
 import numpy as np
 
 from cgff_cli.mechanics.elements import EPS
@@ -57,9 +55,9 @@ def form_find(
         verdict = Verdict.INTERRUPTED
         if not run.history.rows:  # on the way to a better start
             run.record(0, run.gauge.measure(run.state), Move(0.0, 0.0, 0.0, False))
-    local = Mechanics(replace(structure, coordinates=structure.coordinates - frame.centre))
     return concluded(
-        local.at(run.state.X * frame.length),
+        structure,
+        run.state.X * frame.length,
         frame.centre,
         verdict,
         options.tolerance,
@@ -94,7 +92,7 @@ def loop(run: Run) -> Verdict:
 
 def _descend(run: Run, balance: Balance) -> Move | None:
     """Take one step of eq. (13); None when no direction gives one, however large the shift."""
-    excess = balance.residual / (run.options.tolerance * balance.reference)
+    excess = balance.residual / balance.reference / run.options.tolerance
     for _ in range(1 if balance.at_floor else MAX_RESCUES):
         run.preconditioner.refresh(run.state)
         d, cg_beta, restarted = _direction(run)
@@ -150,7 +148,7 @@ def _step(run: Run, d: np.ndarray, excess: float) -> float:
         alpha = step.length
         if alpha > 0.0:
             there, g = run.at(run.state.X + alpha * d)
-    shrinkage = norm(g) / norm(run.g)
+    shrinkage = norm(g) / (norm(run.g) or 1.0)
     if alpha == 0.0 and shrinkage < 1.0:
         (there, g), alpha = full, 1.0
     if alpha * norm(d) <= EPS * norm(run.state.X):

@@ -41,13 +41,18 @@ def separated(structure: Structure, seed: int) -> tuple[np.ndarray, str | None]:
 def doubt(K: np.ndarray, state: State) -> float:
     """Return the size below which an eigenvalue of K has no sign.
 
-    Rounding blurs it, and a force is known no better than the residual, so a force density no better than
-    the residual over the element's length.
+    Rounding blurs it, and a force density is known no better than the residual and the element's own
+    rounding allow, over its length.
     """
+    blurred = float((state.active_stiffness * state.rounding).max())
+    return 1e-14 * sqrt(len(K)) * norm(K) + 4.0 * (norm(state.free_eta) + blurred) / shortest(state)
+
+
+def shortest(state: State) -> float:
+    """Return the least length of an element whose force density depends on its length; infinity for none."""
     structure = state.mechanics.structure
     sure = (structure.rest_lengths > 0.0) & (state.l > 0.0) & ~state.slack
-    shortest = float(state.l.min(initial=float("inf"), where=sure))
-    return 1e-14 * sqrt(len(K)) * norm(K) + 4.0 * norm(state.free_eta) / shortest
+    return float(state.l.min(initial=float("inf"), where=sure))
 
 
 def steepest_fall(state: State) -> np.ndarray | None:

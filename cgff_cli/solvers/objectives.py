@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cgff_cli.mechanics.elements import EPS, TINY
+from cgff_cli.mechanics.norms import norm
 from cgff_cli.mechanics.state import Mechanics, State
 
 
@@ -78,7 +79,7 @@ class Energy:
 
     def noise(self, state: State) -> float:
         """Return the rounding error to expect in a change of P."""
-        return 1e-15 * float(np.abs(state.t) @ state.l)
+        return 4.0 * norm(state.t * state.rounding)
 
 
 class Residual:

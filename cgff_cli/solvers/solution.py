@@ -1,14 +1,15 @@
 """What a solver hands on: the last state, how it ended, and one row per iteration."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from cgff_cli.mechanics.norms import norm
-from cgff_cli.mechanics.state import State
+from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.solvers.stopping import Gauge, Verdict, sentence
+from cgff_cli.structure import Structure
 
 Observer = Callable[[dict[str, Any]], None]
 """Called once per iteration with that iteration's row of the history."""
@@ -52,6 +53,7 @@ class History:
 class Solution:
     """The last state of a run, in the user's units, positions relative to `centre`.
 
+    structure     : what was solved, where the user put it
     state         : shape, lengths, forces about `centre`: a far-away origin costs them no digits
     residual_max  : largest out-of-balance force component over the free directions
     residual_norm : its Euclidean norm over the free directions
@@ -60,6 +62,7 @@ class Solution:
     history       : column name -> one value per iteration
     """
 
+    structure: Structure
     state: State
     centre: np.ndarray
     verdict: Verdict
@@ -78,17 +81,21 @@ class Solution:
     @property
     def coordinates(self) -> np.ndarray:
         """(n, d) final node positions."""
-        return self.state.X + self.centre
+        return self.placed(self.state.X)
+
+    def placed(self, X: np.ndarray) -> np.ndarray:
+        """Return a shape about `centre` where the user has it: what is held keeps the very number given."""
+        return np.where(self.structure.free, X + self.centre, self.structure.coordinates)
 
     @property
     def energy(self) -> float:
         """Total potential energy; loads do work from the user's own origin."""
-        loads = self.state.mechanics.structure.loads
-        return self.state.energy - float((loads @ self.centre).sum())
+        return self.state.energy - float((self.structure.loads @ self.centre).sum())
 
 
 def concluded(
-    state: State,
+    structure: Structure,
+    X: np.ndarray,
     centre: np.ndarray,
     verdict: Verdict,
     tolerance: float,
@@ -97,12 +104,14 @@ def concluded(
     factorizations: int = 0,
     warnings: tuple[str, ...] = (),
 ) -> Solution:
-    """Return the Solution for a last state in the user's units about `centre`."""
+    """Return the Solution for a last shape X, (n, d), in the user's units about `centre`."""
+    state = Mechanics(replace(structure, coordinates=structure.coordinates - centre)).at(X)
     gauge = Gauge(state.mechanics)
     columns = history.columns()
     balance = gauge.measure(state)
     floor = balance.floor or gauge.rounding_floor(state)
     return Solution(
+        structure=structure,
         state=state,
         centre=centre,
         verdict=verdict,

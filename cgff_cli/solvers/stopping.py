@@ -67,17 +67,15 @@ class Gauge:
         structure = mechanics.structure
         self.mechanics = mechanics
         self.ends = np.concatenate((structure.start, structure.end))
-        self.node_count = len(structure.coordinates)
         self.largest_stiffness = float(mechanics.nodal_stiffness.max())
-        size = float(np.abs(structure.coordinates).max()) + float(structure.rest_lengths.max())
-        self.far_above_floor = FAR_ABOVE * EPS * self.largest_stiffness * size
         self.largest_load = float(np.abs(structure.loads).max())
 
     def measure(self, state: State) -> Balance:
         """Return the balance of a state; the floor is left 0 while the residual is far above it."""
         residual = float(np.abs(state.free_eta).max())
         reference = max(float(np.abs(state.t).max()), self.largest_load)
-        if residual > self.far_above_floor and reference > VANISHED * self.far_above_floor:
+        far_above = FAR_ABOVE * EPS * self.largest_stiffness * state.size
+        if residual > far_above and reference > VANISHED * far_above:
             return Balance(residual, reference, 0.0, False)
         floor = self.rounding_floor(state)
         if reference > VANISHED * floor or self.largest_load > 0.0:  # a load is exact, however small
@@ -85,14 +83,9 @@ class Gauge:
         return Balance(residual, float((self.mechanics.structure.stiffness * state.l).max()), floor, True)
 
     def rounding_floor(self, state: State) -> float:
-        """Return the rounding error of the largest residual component.
-
-        A coordinate is known to eps |x| and a length to eps l, so an element's force to about
-        eps k (|x| + l); a node sums that over its elements.
-        """
-        along_elements = self.mechanics.structure.stiffness * state.l
-        along = np.bincount(self.ends, np.tile(along_elements, 2), minlength=self.node_count)
-        return EPS * float((self.mechanics.nodal_stiffness * np.abs(state.X).max(axis=1) + along).max())
+        """Return the rounding error of the largest residual component: its elements' forces', summed."""
+        blurred = np.tile(self.mechanics.structure.stiffness * state.rounding, 2)
+        return float(np.bincount(self.ends, blurred).max())
 
 
 class Watch:

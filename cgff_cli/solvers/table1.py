@@ -9,11 +9,9 @@
 
 with f = |eta|^2 / 2, eq. (10). The paper's "d_k" of the stopping test already contains alpha; b is one
 constant step factor; alpha is applied once. Nothing is centred, scaled, preconditioned or restarted, and a
-direction that turns uphill makes alpha shrink until the test holds: the verdict then says that steps
-vanished, whatever the test claims.
+direction that turns uphill makes alpha shrink until the test holds. However it ends, the verdict is asked of
+the forces: it may say that steps vanished, whatever the test claims.
 """
-
-from dataclasses import replace
 
 import numpy as np
 
@@ -25,6 +23,12 @@ from cgff_cli.solvers.solution import History, Observer, Solution, Watcher, conc
 from cgff_cli.solvers.stopping import Gauge, Verdict
 from cgff_cli.structure import Structure
 
+FLAT = 1e-9
+"""Gradient this small against stiffness times residual counts as stationary."""
+
+MOST_FAILED = 20_000
+"""Trials that may fail: ten for each iteration of the default limit. With b near 1 they would never end."""
+
 
 def form_find(
     structure: Structure,
@@ -35,13 +39,13 @@ def form_find(
     """Return where Table I ends from the structure's start shape, judged by the forces it leaves."""
     run = _Run(Mechanics(structure), options, History(observer, watcher))
     try:
-        verdict = run.loop()
+        with np.errstate(over="ignore", invalid="ignore"):
+            verdict = run.judged(run.loop())
     except KeyboardInterrupt:
         verdict = Verdict.INTERRUPTED
     centre = run.state.X.mean(axis=0)
-    about = Mechanics(replace(structure, coordinates=structure.coordinates - centre))
     return concluded(
-        about.at(run.state.X - centre), centre, verdict, options.tolerance, run.history, run.evaluations
+        structure, run.state.X - centre, centre, verdict, options.tolerance, run.history, run.evaluations
     )
 
 
@@ -53,8 +57,8 @@ class _Run:
         self.evaluations = 1
 
     def loop(self) -> Verdict:
-        """Run Table I until its own test, or the iteration limit, ends it."""
-        alpha, b, cg_beta, k = self.options.alpha, self.options.step_factor, 0.0, 0
+        """Run Table I until its own test (told as vanished steps), or a limit, ends it."""
+        alpha, b, cg_beta, k, failed = self.options.alpha, self.options.step_factor, 0.0, 0, 0
         f = self.objective.value(self.state)
         g = self.objective.gradient(self.state)
         d = -g
@@ -64,14 +68,15 @@ class _Run:
             if not step < float("inf"):
                 return Verdict.DIVERGED
             if step <= self.options.eps:
-                return self._judge(g)
-            if k >= self.options.max_iterations:
+                return Verdict.STEP_VANISHED
+            if k >= self.options.max_iterations or failed >= MOST_FAILED:
                 return Verdict.MAX_ITERATIONS
             there = self.mechanics.at(self.state.X + alpha * d)
             self.evaluations += 1
             f_there = self.objective.value(there)
             if not f_there < f:
                 alpha *= b
+                failed += 1
                 continue
             self.state, f, g_old = there, f_there, g
             g = self.objective.gradient(there)
@@ -81,8 +86,8 @@ class _Run:
             self._record(k, f, g, step, alpha, cg_beta)
             alpha /= b
 
-    def _judge(self, g: np.ndarray) -> Verdict:
-        """Return what was really reached when the paper's test held."""
+    def judged(self, ending: Verdict) -> Verdict:
+        """Return what was really reached when the loop ended."""
         gauge = Gauge(self.mechanics)
         balance = gauge.measure(self.state)
         if balance.residual <= self.options.tolerance * balance.reference:
@@ -90,8 +95,8 @@ class _Run:
         if balance.at_floor:
             return Verdict.ROUNDING_FLOOR
         force = balance.residual * gauge.largest_stiffness
-        stationary = float(np.abs(g).max()) <= FLAT * force
-        return Verdict.STATIONARY if stationary else Verdict.STEP_VANISHED
+        flat = float(np.abs(self.objective.gradient(self.state)).max()) <= FLAT * force
+        return Verdict.STATIONARY if flat and ending is Verdict.STEP_VANISHED else ending
 
     def _record(self, k: int, f: float, g: np.ndarray, step: float, alpha: float, cg_beta: float) -> None:
         residual = float(np.abs(self.state.free_eta).max())
@@ -101,7 +106,3 @@ class _Run:
             self.history.watcher(
                 k, self.evaluations, self.state.X - self.mechanics.structure.coordinates.mean(axis=0)
             )
-
-
-FLAT = 1e-9
-"""Gradient this small against stiffness times residual counts as stationary."""

@@ -1,5 +1,6 @@
 """Rank conditions, states of self-stress and mechanisms of structures where counting tells them."""
 
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -124,3 +125,36 @@ def test_ranks_are_told_of_shapes_that_are_not_balanced_too():
     assert found["nullity_U"] is not None
     assert np.isfinite(found["rank_tolerance"])
     assert found["stable"] is None
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_without_prestress_no_rank_is_left_to_rounding(seed):
+    """The prism at its own lengths, turned: forces are rounding errors, D is zero, U is what it was."""
+    solved = cgff_cli.solve(shipped("prism"), tolerance=1e-14)
+    turn = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
+    X = solved.coordinates @ turn
+    groups = tuple(
+        replace(group, rest_length=np.linalg.norm(X[group.pairs[:, 0]] - X[group.pairs[:, 1]], axis=1))
+        for group in solved.source.groups
+    )
+    at_rest = replace(solved.source, coordinates=X, groups=groups)
+    assert counts(at_rest) == (1, 1, 6)
+    assert cgff_cli.solve(at_rest).analysis["nullity_D"] == 6
+
+
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("d", [2, 3])
+def test_one_bar_never_has_less_than_no_mechanism(d, seed):
+    rng = np.random.default_rng(seed)
+    X = rng.normal(size=(2, d)) * 10.0 ** rng.integers(-6, 6)
+    for axes in ("x", "xy", "xyz"[:d]):
+        for kind in ("cable", "strut"):
+            held = scene(X, [(0, 1, kind, 10.0, 0.7)], {0: "xyz"[:d], 1: axes})
+            states, mechanisms, rigid = counts(held)
+            assert min(states, mechanisms, rigid) >= 0
+
+
+def test_a_bar_along_its_supports_has_a_column_of_rounding_and_no_rank():
+    # Relative to itself it would have full rank, and with the rotation one mechanism less than none.
+    bar = scene([(0.0, 0.0), (1.0, 1e-17)], [(0, 1, "strut", 10.0, 1.0)], {0: "xy", 1: "x"})
+    assert counts(bar) == (1, 0, 1)

@@ -144,3 +144,74 @@ def test_stability_does_not_depend_on_units(factor):
     found = analysis(replace(scene, coordinates=scene.coordinates * factor, groups=tuple(groups)))
     assert (found["stability"], found["super_stable"]) == ("stable", True)
     assert found["smallest_stiffness"] == pytest.approx(analysis(scene)["smallest_stiffness"], rel=1e-6)
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8, 1e-10, 1e-12])
+@pytest.mark.parametrize("start", ["prism", "octahedron", "x-module"])
+def test_stability_does_not_hang_on_how_closely_a_shape_was_solved_for(start, tolerance):
+    assert analysis(shipped(start), tolerance=tolerance)["stability"] == "stable"
+
+
+@pytest.mark.parametrize("tolerance", [1e-5, 1e-6, 1e-7, 1e-10])
+@pytest.mark.parametrize("stages", [30, 300, 1000])
+def test_a_long_tower_is_stable_however_loosely_it_was_solved(stages, tolerance):
+    tower = cgff_cli.new("tower", stages=stages, noise=0.05)
+    assert analysis(tower, tolerance=tolerance)["stability"] == "stable"
+
+
+def test_a_shape_too_far_from_balance_to_tell_is_called_nothing():
+    tower = cgff_cli.new("tower", stages=1000, noise=0.1)
+    found = analysis(tower, tolerance=1e-4)
+    assert found["stability"] in ("stable", None)  # never neutral
+
+
+def line(seed: int, kind: str, nodes: int) -> "cgff_cli.Scene":
+    """Elements at rest on a line in space, between two pins."""
+    rng = np.random.default_rng(seed)
+    along = np.concatenate(([0.0], np.sort(rng.uniform(0.0, 1.0, nodes - 2)), [1.0]))
+    across = rng.normal(size=3)
+    X = along[:, None] * (across / np.linalg.norm(across))
+    rest = np.linalg.norm(np.diff(X, axis=0), axis=1)
+    bars = [(i, i + 1, kind, 1000.0, float(rest[i])) for i in range(nodes - 1)]
+    return scene(X, bars, {0: "xyz", nodes - 1: "xyz"}, law="hooke")
+
+
+@pytest.mark.parametrize("kind", ["cable", "strut"])
+@pytest.mark.parametrize("seed", range(10))
+def test_a_straight_string_without_prestress_is_neutral(seed, kind):
+    found = analysis(line(seed, kind, 7))
+    assert (found["stability"], found["super_stable"]) == ("neutral", False)
+    assert (found["nullity_D"], found["self_stress_states"], found["mechanisms"]) == (7, 1, 2 * 5)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_body_of_struts_on_a_pin_is_stable_but_for_the_rotation_it_may_make(seed):
+    points = np.random.default_rng(seed).normal(size=(4, 2))
+    pairs = [(0, 1), (1, 2), (2, 0), (1, 3), (3, 2)]
+    bars = [(i, j, "strut", 1.0, rest) for (i, j), rest in zip(pairs, (1, 1.2, 0.7, 0.9, 1), strict=True)]
+    found = analysis(scene(points, bars, {0: "xy"}, law="hooke"))
+    assert (found["stability"], found["mechanisms"], found["rigid_motions"]) == ("stable", 0, 1)
+
+
+def test_a_load_that_points_at_the_pin_leaves_the_rotation_to_be_judged():
+    # A strut on a pin pulled away from it, and pushed towards it: K along the rotation is load over length.
+    for pull, kind in ((1e-6, "stable"), (-1e-6, "unstable")):
+        body = scene([(0, 0), (1, 0)], [(0, 1, "strut", 1.0, 1.0)], {0: "xy"}, {1: (pull, 0.0)})
+        assert analysis(body, objective="residual")["stability"] == kind
+    # About the axis of the load nothing turns it: a rotation that costs nothing and is no deformation.
+    body = scene(
+        [(0, 0, 0), (1, 0, 0), (1, 1, 0)],
+        [(0, 1, "strut", 1.0, 1.0), (1, 2, "strut", 1.0, 1.0), (0, 2, "strut", 1.0, 2.0**0.5)],
+        {0: "xyz"},
+        {1: (1e-3, 0.0, 0.0)},
+    )
+    assert analysis(body)["stability"] == "stable"
+
+
+def test_what_is_not_stable_says_so_in_one_sentence_of_its_own():
+    level = cgff_cli.solve(truss(0.1), objective="residual")
+    (said,) = level.warnings
+    assert said.startswith("unstable: ")
+    slack = cgff_cli.solve(scene([(0.0, 0.0), (0.5, 0.0)], [(0, 1, "cable", 1.0, 1.0)], {0: "xy"}))
+    (said,) = [words for words in slack.warnings if words.startswith("neutral: ")]
+    assert "unstable" not in said

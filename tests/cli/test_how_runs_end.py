@@ -145,7 +145,9 @@ def test_an_unstable_equilibrium_is_told_unless_quiet(run: Run, unstable: str):
     ended = run(*arguments)
     result = json.loads(ended.stdout)
     assert (ended.exit_code, result["verdict"], result["analysis"]["stable"]) == (0, "converged", False)
-    assert "cgff: unstable.yaml: unstable: " in ended.stderr
+    (said,) = result["warnings"]
+    assert said.startswith("unstable: ")
+    assert ended.stderr == f"cgff: unstable.yaml: warning: {said}\n"
     assert run(*arguments, "-q").stderr == ""
 
 

@@ -101,3 +101,23 @@ def test_a_trial_that_changes_nothing_is_not_accepted():
     assert result.counts["evaluations"] == 3
     assert result.nodes["n1"] == [1.0, 0.0]
     assert result.verdict == "converged"
+
+
+def test_a_step_that_hardly_shrinks_ends_at_a_limit_of_trials():
+    result = cgff_cli.solve(shipped("prism"), method="table1", step_factor=0.999999)
+    assert result.verdict == "max_iterations"
+    assert result.counts["evaluations"] < 30_000
+
+
+@pytest.mark.parametrize("alpha", [1e3, 1e150, 1e300])
+@pytest.mark.filterwarnings("error")
+def test_a_step_far_too_long_overflows_quietly(alpha):
+    assert not cgff_cli.solve(shipped("prism"), method="table1", alpha=alpha).converged
+
+
+def test_a_limit_that_ends_it_in_balance_says_converged():
+    first = cgff_cli.solve(shipped("x-module"), method="table1", max_iterations=9)
+    assert first.verdict == "max_iterations"
+    reached = 1.01 * first.residual["relative"]
+    again = cgff_cli.solve(shipped("x-module"), method="table1", max_iterations=9, tolerance=reached)
+    assert (again.verdict, again.counts) == ("converged", first.counts)

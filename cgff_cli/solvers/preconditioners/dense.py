@@ -28,7 +28,7 @@ class DenseTangent(Shift):
         self.free = mechanics.structure.free
         self.squared = squared
         self.factorizations = 0
-        S = np.repeat(mechanics.nodal_stiffness, self.free.shape[1])
+        S = np.repeat(mechanics.scale_stiffness, self.free.shape[1])
         self.S = (S if self.dofs is None else S[self.dofs]) ** (2 if squared else 1)
         self.mean_stiffness = float(mechanics.nodal_stiffness.mean())
         held = self.dofs is not None and not rigid_motions(mechanics.structure.coordinates, self.free).size

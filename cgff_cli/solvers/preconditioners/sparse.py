@@ -8,6 +8,7 @@ many solutions, from which the rigid motions are then projected out.
 
 import numpy as np
 
+from cgff_cli.mechanics.norms import norm
 from cgff_cli.mechanics.pattern import TangentPattern
 from cgff_cli.mechanics.rigid import all_motions
 from cgff_cli.mechanics.state import Mechanics, State
@@ -34,7 +35,7 @@ class SparseTangent(Shift):
         self.pattern = TangentPattern(structure.start, structure.end, structure.free)
         self.factory = factory(self.pattern.indices, self.pattern.indptr, kind)
         self.moves = structure.free.any(axis=1)
-        self.S = mechanics.nodal_stiffness[self.moves]
+        self.S = mechanics.scale_stiffness[self.moves]
         self.is_afloat = mechanics.all_free and not mechanics.has_loads
         self.factor: Factor | None = None
         self.keep = False
@@ -106,6 +107,16 @@ class SparseTangent(Shift):
         if self._factor(state, state.q, -doubt, k=k) is not None:
             return "stable"
         return "neutral" if self._factor(state, state.q, doubt, k=k) is not None else "unstable"
+
+    def refined(self, state: State) -> State:
+        """Return the state after a Newton step, or itself where K is singular or the step gains nothing."""
+        factor = self._factor(state, state.q, np.zeros_like(self.S))
+        if factor is None:
+            return state
+        step = np.zeros_like(state.X)
+        step[self.moves] = factor.solve(state.free_eta[self.moves].reshape(-1)).reshape(-1, step.shape[1])
+        there = self.mechanics.at(state.X + self.mechanics.on_free(step))
+        return there if norm(there.free_eta) < norm(state.free_eta) else state
 
     def _doubt(self, state: State) -> float:
         """Return the size below which an eigenvalue of K has no sign."""
