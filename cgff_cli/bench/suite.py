@@ -10,8 +10,9 @@ from cgff_cli.bench.changes import CHANGES
 from cgff_cli.bench.expectation import outcome_fault
 from cgff_cli.errors import OptionError, Problem, SceneError
 from cgff_cli.options import OPTIONS, checked
-from cgff_cli.scene.fields import check_keys, found, is_absent, mapping
-from cgff_cli.scene.findings import Findings, Mark, Where
+from cgff_cli.scene.fields import found, is_absent, mapping
+from cgff_cli.scene.findings import NOWHERE, Findings, Mark, Where
+from cgff_cli.scene.keys import check_keys
 from cgff_cli.scene.located import Document, FormError, yaml_events
 from cgff_cli.scene.schema import SCENE_KEYS
 from cgff_cli.scene.shipped import shipped
@@ -73,7 +74,7 @@ def _text(path: str) -> str:
     try:
         return read_text(path).removeprefix("\ufeff")
     except (OSError, ValueError) as error:
-        raise SceneError([Problem(path, 1, 1, f"cannot read the file: {reason(error)}")]) from None
+        raise SceneError([Problem(path, *NOWHERE, f"cannot read the file: {reason(error)}")]) from None
 
 
 def _is_suite(path: str) -> bool:
@@ -88,7 +89,7 @@ def _is_suite(path: str) -> bool:
 def _single(path: str) -> Case:
     """Return the case that a scene file amounts to."""
     name = os.path.splitext(os.path.basename(path))[0]
-    return Case(name, None, {"file": os.path.basename(path)}, path, lambda where, at_key: (1, 1))
+    return Case(name, None, {"file": os.path.basename(path)}, path, lambda where, at_key: NOWHERE)
 
 
 def _case(
@@ -98,10 +99,7 @@ def _case(
     values = mapping(findings, (i,), entry, "with id and scene")
     if values is None:
         return None
-    check_keys(findings, (i,), values, CASE_KEYS)
-    for key in ("id", "scene"):
-        if key not in values:
-            findings.add((i,), f"missing key {key!r}")
+    check_keys(findings, (i,), values, CASE_KEYS, dict.fromkeys(("id", "scene"), ""))
     name = values.get("id")
     if name is not None and (not isinstance(name, str) or not name or not name.isprintable()):
         findings.add((i, "id"), f"must be a word, got {found(name)}")

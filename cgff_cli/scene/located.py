@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from cgff_cli.scene.findings import Mark, Where, label, quoted
+from cgff_cli.scene.keys import Holed
 
 DEPTH = 40
 """A scene needs five levels; deeper nesting is a mistake or an attack."""
@@ -179,6 +180,8 @@ class _Composer:
 
     def _mapping(self, branch: Branch, where: Where, depth: int) -> tuple[dict[str, Any], Branch]:
         values: dict[str, Any] = {}
+        told: set[str] = set()
+        missed = 0
         for event in self.events:
             if type(event).__name__ == "MappingEndEvent":
                 break
@@ -186,12 +189,15 @@ class _Composer:
             at = _at(event)
             name = key if isinstance(key, str) else "?"
             value, tree = self._node(next(self.events), (*where, name), depth + 1)
-            fault = _key_fault(key, branch)
+            fault = _key_fault(key, value, branch)
             if fault:
-                self._fault(at, where, fault)
+                if fault not in told:
+                    self._fault(at, where, fault)
+                told.add(fault)
+                missed += _brought(value) if key == "<<" else 1
             else:
                 values[key], branch.keys[key], branch.members[key] = value, at, tree
-        return values, branch
+        return Holed(values, missed) if missed else values, branch
 
     def _alias(self, event: Any) -> tuple[Any, Tree]:
         name = event.anchor
@@ -215,15 +221,22 @@ class _Composer:
         self.faults.append((at, f"{label(where)}: {message}" if where else message))
 
 
+def _brought(value: Any) -> int:
+    """Return how many keys a merge key would have brought."""
+    return sum(map(len, value if isinstance(value, list) else [value]))
+
+
 def _scalar(event: Any) -> str:
     return event.value if event.style else Plain(event.value)
 
 
-def _key_fault(key: object, branch: Branch) -> str | None:
+def _key_fault(key: object, value: object, branch: Branch) -> str | None:
     if not isinstance(key, str):
         return "a key must be a word, not a list or mapping"
     if isinstance(key, Plain) and key == "<<":
         return "merge keys (<<) are not allowed; write the values out"
+    if isinstance(key, Plain) and ":" in key and isinstance(value, Plain) and not value:
+        return "a blank must follow the colon of a key"
     if key in branch.keys:
         return f"duplicate key {quoted(key)}; first on line {branch.keys[key][0]}"
     return None

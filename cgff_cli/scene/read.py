@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from cgff_cli.errors import Problem, SceneError
-from cgff_cli.scene.findings import Findings
+from cgff_cli.scene.findings import NOWHERE, Findings
 from cgff_cli.scene.located import Document, yaml_events
 from cgff_cli.scene.scene import Scene
 from cgff_cli.scene.schema import read_scene
@@ -29,7 +29,7 @@ def load(path: str | os.PathLike[str]) -> Scene:
             return loads(decoded(sys.stdin.buffer.read(), STDIN), STDIN)
         text = read_text(shown)
     except (OSError, ValueError) as error:
-        raise SceneError([Problem(shown, 1, 1, f"cannot read the scene: {reason(error)}")]) from None
+        raise SceneError([Problem(shown, *NOWHERE, f"cannot read the scene: {reason(error)}")]) from None
     return loads(text, shown, os.path.dirname(shown))
 
 
@@ -62,14 +62,14 @@ def loads(text: str, path: str = "<text>", base: str | os.PathLike[str] | None =
 def from_dict(mapping: Mapping[str, Any]) -> Scene:
     """Read a scene from Python objects of the same form; numpy numbers and arrays are welcome.
 
-    Raises SceneError with every problem found, all at <python>:1:1.
+    Raises SceneError with every problem found, each without a line.
     """
     from cgff_cli.scene.python_values import plain_values
 
     findings = Findings()
     scene = read_scene(findings, plain_values(findings, mapping), "<python>", "")
     if scene is None or not findings.none:
-        raise SceneError(findings.problems("<python>", lambda where, at_key: (1, 1)))
+        raise SceneError(findings.problems("<python>", lambda where, at_key: NOWHERE))
     return scene
 
 
