@@ -1,7 +1,7 @@
 """Suites: YAML lists of cases, read with the place of every mistake."""
 
 import os
-from collections.abc import Collection, Iterable
+from collections.abc import Iterable, Mapping
 from itertools import islice
 from typing import Any
 
@@ -13,10 +13,11 @@ from cgff_cli.options import OPTIONS, checked
 from cgff_cli.scene.fields import found, is_absent, mapping
 from cgff_cli.scene.findings import NOWHERE, Findings, Mark, Where
 from cgff_cli.scene.keys import check_keys
-from cgff_cli.scene.located import Document, FormError, yaml_events
+from cgff_cli.scene.located import Document, FormError
 from cgff_cli.scene.schema import SCENE_KEYS
 from cgff_cli.scene.shipped import shipped
 from cgff_cli.scene.text import read_text, reason
+from cgff_cli.scene.yaml_text import yaml_events
 
 NOTES = ("source", "covers", "slow", "reference", "near", "same_iterations_as", "wrong")
 """Keys of a case for its readers and for tests of its answer; measuring ignores them."""
@@ -55,7 +56,7 @@ def read_suite(path: str | os.PathLike[str]) -> list[Case]:
     """Return the cases of a suite; raises SceneError with every mistake in its form."""
     shown = os.fspath(path)
     document = Document(yaml_events(_text(shown)))
-    findings = Findings()
+    findings = Findings(document.faults)
     if document.whole and not isinstance(document.value, list):
         findings.add((), f"a suite must be a list of cases, got {found(document.value)}")
     entries = document.value if isinstance(document.value, list) else []
@@ -65,8 +66,8 @@ def read_suite(path: str | os.PathLike[str]) -> list[Case]:
     for i, case in enumerate(cases):
         if case is not None and ids.setdefault(case.id, i) != i:
             findings.add((i, "id"), f"case {case.id} is there already")
-    if not findings.none or document.faults:
-        raise SceneError(findings.problems(shown, document.place, document.faults))
+    if not findings.none:
+        raise SceneError(findings.problems(shown, document.place))
     return [case for case in cases if case is not None]
 
 
@@ -124,7 +125,7 @@ def _block(findings: Findings, where: Where, value: object) -> dict[str, Any]:
     return mapping(findings, where, value, "of names to values") or {}
 
 
-def _check_scene(findings: Findings, where: Where, recipe: Collection[str]) -> None:
+def _check_scene(findings: Findings, where: Where, recipe: Mapping[str, Any]) -> None:
     """Record what cannot be in a scene's recipe: two sources, unknown keys."""
     sources = [name for name in SOURCES if name in recipe]
     if len(sources) > 1:

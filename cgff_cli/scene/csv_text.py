@@ -7,7 +7,7 @@ from contextlib import suppress
 from functools import cached_property
 
 from cgff_cli.errors import Problem
-from cgff_cli.scene.findings import LISTED, Mark, folded, listed, more, times
+from cgff_cli.scene.findings import LISTED, Mark, counted, folded, listed, more
 
 _NO_MARKS = bytes(byte for byte in range(256) if byte not in b",\n")
 _BLANKS = [chr(code) for code in range(128) if chr(code).isspace() and chr(code) != "\n"]
@@ -87,8 +87,7 @@ class Table:
 
     def _problem(self, cell: Mark, message: str, others: list[Mark]) -> Problem:
         line, column = self.place(*cell)
-        lines = (self.place(*other)[0] for other in others)
-        return Problem(self.path, line, column, message + times(line, len(others), lines))
+        return Problem(self.path, line, column, counted(message, line, [self.place(*o)[0] for o in others]))
 
     def place(self, row: int, column: int) -> Mark:
         """Return line and column of the first character of a cell."""

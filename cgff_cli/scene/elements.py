@@ -76,7 +76,8 @@ def _column(
         return None if number is None or count is None else np.full(count, number)
     numbers = fields.numbers(findings, where, value, lower)
     if count is not None and len(value) != count:
-        findings.add(where, f"must be one number or a list of {count}, one per pair, got {found(value)}")
+        message = f"must be one number or a list of {count}, one per pair, got {found(value)}"
+        findings.add(where, message, alike=(where[:-1], len(value)))
         return None
     return numbers
 

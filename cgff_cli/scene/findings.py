@@ -45,9 +45,13 @@ class _Item(NamedTuple):
 
 
 class Findings:
-    """Problems found so far, in the scene file itself and in the files it refers to."""
+    """Problems found so far, in the scene file itself and in the files it refers to.
 
-    def __init__(self) -> None:
+    faults : (place, message) of what is wrong with the form of the file
+    """
+
+    def __init__(self, faults: Sequence[tuple[Mark, str]] = ()) -> None:
+        self.faults = faults
         self._items: list[_Item] = []
         self._hints: dict[tuple[str, int], str] = {}
         self.other_files: list[OtherFile] = []
@@ -67,21 +71,19 @@ class Findings:
     @property
     def none(self) -> bool:
         """Whether nothing was found."""
-        return not self._items and all(file.sound for file in self.other_files)
+        return not self.faults and not self._items and all(file.sound for file in self.other_files)
 
-    def problems(
-        self, path: str, place: Callable[[Where, bool], Mark], faults: Sequence[tuple[Mark, str]] = ()
-    ) -> list[Problem]:
+    def problems(self, path: str, place: Callable[[Where, bool], Mark]) -> list[Problem]:
         """Return the problems of every file, cut to a readable number each.
 
-        Those of the scene itself are placed by `place`; `faults` of its form have their places, and
-        nothing else is told of a value at fault.
+        Those of the scene itself are placed by `place`; nothing else is told of a value whose form is at
+        fault.
         """
-        at_fault = {at for at, _ in faults}
+        at_fault = {at for at, _ in self.faults}
         placed = [(place(item.where, item.at_key), item.message, item.alike) for item in self._items]
-        here = [Problem(path, *at, message) for at, message in faults]
+        here = [Problem(path, *at, message) for at, message in self.faults]
         for at, message, others in folded(item for item in placed if item[0] not in at_fault):
-            here.append(Problem(path, *at, message + times(at[0], len(others), (line for line, _ in others))))
+            here.append(Problem(path, *at, counted(message, at[0], [line for line, _ in others])))
         return listed(here) + [problem for file in self.other_files for problem in file.problems()]
 
     def hint(self, name: str, candidates: Collection[str]) -> str:
@@ -132,18 +134,14 @@ def folded(found: Iterable[tuple[Place, str, Hashable]]) -> list[tuple[Place, st
     return list(mistakes.values())
 
 
-def times(first: int, others: int, lines: Iterable[int]) -> str:
-    """Return how often a mistake was made and on which lines; nothing where it was made once."""
+def counted(message: str, line: int, others: Sequence[int], how_often: str = "times") -> str:
+    """Return a message with how often and on which lines the same mistake was made, where not once."""
     if not others:
-        return ""
-    seen = dict.fromkeys([first])
-    for line in lines:
-        seen[line] = None
-        if len(seen) > _LINES:
-            break
-    shown = [*map(str, seen)][:_LINES] + ["..."] * (len(seen) > _LINES)
-    plural = "s" if len(seen) > 1 else ""
-    return f"; {others + 1} times" + (f", on line{plural} {', '.join(shown)}" if first else "")
+        return message
+    lines = list(map(str, dict.fromkeys([line, *others])))
+    shown = ", ".join(lines[:_LINES]) + (", ..." if len(lines) > _LINES else "")
+    where = f", on line{'s' if len(lines) > 1 else ''} {shown}" if line else ""
+    return f"{message}{'' if message.endswith('?') else ';'} {len(others) + 1} {how_often}{where}"
 
 
 def listed(problems: list[Problem]) -> list[Problem]:

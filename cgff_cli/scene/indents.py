@@ -1,4 +1,4 @@
-"""Blocks of a scene whose indentation is lost or too deep: one mistake, where keys by the dozen look wrong."""
+"""Blocks of a scene whose indentation is lost or too deep: one mistake, though dozens of keys look wrong."""
 
 from collections.abc import Collection
 from itertools import chain
@@ -28,7 +28,8 @@ def _without_spilt(findings: Findings, values: dict[str, Any], keys: Collection[
         elif block:
             spilt.setdefault(block, []).append(key)
     for block, inside in spilt.items():
-        findings.add_key((block,), f"nothing belongs to {block}: indent what follows, from {quoted(inside[0])}")
+        message = f"nothing belongs to {block}: indent what follows, from {quoted(inside[0])}"
+        findings.add_key((block,), message)
     return _without(values, {*spilt, *chain.from_iterable(spilt.values())}, len(spilt))
 
 

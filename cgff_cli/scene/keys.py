@@ -64,8 +64,8 @@ def key_faults(
 ) -> tuple[dict[str, str], list[str]]:
     """Return the faults of unknown keys, by key, and the keys that are missing for no such reason.
 
-    A key that was meant to be another, or may have been, is one mistake: it explains why the other is
-    missing. Unknown keys that come of one habit are told together.
+    A key that was meant to be another is one mistake: it explains why the other is missing. Unknown keys
+    that come of one habit are told together.
     """
     absent = [key for key in allowed if key not in given]
     habits: dict[object, tuple[list[str], list[str]]] = {}
@@ -75,14 +75,12 @@ def key_faults(
         keys.append(key)
         words += [word for word in meant if word not in words]
     understood = {word for _, words in habits.values() for word in words}
-    missing = [key for key in required if key in absent and key not in understood]
     faults = {}
     for habit, (keys, words) in habits.items():
-        hint, missing = (_hint(habit, words), missing) if words else (_asked(missing), [])
-        plural = "s" if len(keys) > 1 else ""
         said = either([quoted(key) for key in keys], "and")
-        faults[keys[0]] = f"unknown {noun}{plural} {said};{hint} allowed: {', '.join(allowed)}"
-    return faults, missing
+        plural = "s" if len(keys) > 1 else ""
+        faults[keys[0]] = f"unknown {noun}{plural} {said};{_hint(habit, words)} allowed: {', '.join(allowed)}"
+    return faults, [key for key in required if key in absent and key not in understood]
 
 
 def _meant(key: str, absent: Collection[str]) -> tuple[object, list[str]]:
@@ -101,10 +99,8 @@ def _bare(word: str) -> str:
 
 
 def _hint(habit: object, words: list[str]) -> str:
+    if not words:
+        return ""
     joint = "and" if habit == "letters" else "or"
     explained = _EXPLAINED.get(words[0], "") if habit == tuple(words) else ""
     return f" did you mean {either(list(map(repr, words)), joint)}?{explained}"
-
-
-def _asked(missing: list[str]) -> str:
-    return f" missing: {', '.join(missing)};" if missing else ""

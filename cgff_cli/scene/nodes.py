@@ -44,7 +44,7 @@ class Nodes:
     def report_strangers(self, findings: Findings) -> None:
         """Record every name that is no node, with the nearest ones or the first few.
 
-        No more of them than names were lost are no mistakes of their own.
+        As many as were lost are these very names, it may be, and no mistakes of their own.
         """
         if len(self.strangers) <= self.lost:
             return

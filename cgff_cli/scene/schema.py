@@ -44,7 +44,7 @@ def read_scene(findings: Findings, value: object, path: str, base: str) -> Scene
     points.report_strangers(findings)
     if points.coordinates is None or groups is None or supports is None or loads is None:
         return None
-    if known:
+    if known and not findings.faults:
         _check_use(points, groups, supports, loads)
     if law is None or not findings.none:
         return None
@@ -121,9 +121,7 @@ def _supports(findings: Findings, value: object, points: Nodes | None) -> dict[i
     return supports if len(supports) == len(values) + lost(values) else None
 
 
-def _loads(
-    findings: Findings, value: object, points: Nodes | None
-) -> dict[int, tuple[float, ...]] | None:
+def _loads(findings: Findings, value: object, points: Nodes | None) -> dict[int, tuple[float, ...]] | None:
     """Return node row -> force; None where any is wrong."""
     values = _optional(findings, ("loads",), value, "of node names to forces")
     if not values:

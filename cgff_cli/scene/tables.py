@@ -126,10 +126,10 @@ def read_nodes(table: Table) -> Nodes | None:
     read = [columns.numbers(axis) for axis in axes]
     good = [column for column in read if column is not None]
     coordinates = np.column_stack(good) if table.sound and len(good) == len(axes) else None
-    lost = len(columns.ragged) + sum(map(bool, map(name_fault, rows))) + len(names) - len(rows)
-    return Nodes(
-        rows, coordinates, len(axes), lambda row, text: columns.add(table_rows[row], "name", text), lost
-    )
+    nodes = Nodes(rows, coordinates, len(axes), lambda row, text: columns.add(table_rows[row], "name", text))
+    if not table.sound:
+        nodes.lost = len(columns.ragged) + sum(map(bool, map(name_fault, rows))) + len(names) - len(rows)
+    return nodes
 
 
 def _first_rows(columns: _Columns, names: list[str]) -> list[int]:
