@@ -13,7 +13,10 @@ class OptionError(CgffError):
 
 
 class Problem(NamedTuple):
-    """One mistake in a file; line and column count from 1; problems sort by place."""
+    """One mistake in a file; line and column count from 1; problems sort by place.
+
+    Both are 0 where a problem has no place, as that of a file that cannot be read.
+    """
 
     path: str
     line: int
@@ -21,7 +24,8 @@ class Problem(NamedTuple):
     message: str
 
     def __str__(self) -> str:
-        return f"{self.path}:{self.line}:{self.column}: {self.message}"
+        place = f":{self.line}:{self.column}" if self.line else ""
+        return f"{self.path}{place}: {self.message}"
 
 
 class SceneError(CgffError):

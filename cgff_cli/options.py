@@ -9,6 +9,7 @@ from dataclasses import Field, asdict, dataclass, field, fields, replace
 from typing import Any
 
 from cgff_cli.errors import OptionError
+from cgff_cli.hints import did_you_mean
 
 
 def _choice(default: str, allowed: tuple[str, ...], text: str) -> Any:
@@ -73,10 +74,7 @@ OPTIONS: dict[str, Field[Any]] = {option.name: option for option in fields(Solve
 def checked(name: str, value: object) -> Any:
     """Return one option's value in its own type, or raise OptionError saying what is allowed."""
     if name not in OPTIONS:
-        import difflib
-
-        near = difflib.get_close_matches(name, OPTIONS, n=1)
-        hint = f"; did you mean {near[0]!r}?" if near else f"; allowed: {', '.join(OPTIONS)}"
+        hint = did_you_mean(name, OPTIONS) or f"; allowed: {', '.join(OPTIONS)}"
         raise OptionError(f"unknown solve option {name!r}{hint}")
     rules = OPTIONS[name].metadata
     if rules["type"] is str:

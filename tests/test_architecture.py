@@ -11,6 +11,7 @@ PACKAGE = Path(__file__).parents[1] / "cgff_cli"
 
 ROOMS = (
     "errors",
+    "hints",
     "options",
     "scene",
     "structure",

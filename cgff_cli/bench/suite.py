@@ -1,7 +1,7 @@
 """Suites: YAML lists of cases, read with the place of every mistake."""
 
 import os
-from collections.abc import Collection, Iterable
+from collections.abc import Iterable, Mapping
 from itertools import islice
 from typing import Any
 
@@ -10,12 +10,14 @@ from cgff_cli.bench.changes import CHANGES
 from cgff_cli.bench.expectation import outcome_fault
 from cgff_cli.errors import OptionError, Problem, SceneError
 from cgff_cli.options import OPTIONS, checked
-from cgff_cli.scene.fields import check_keys, found, is_absent, mapping
-from cgff_cli.scene.findings import Findings, Mark, Where
-from cgff_cli.scene.located import Document, FormError, yaml_events
+from cgff_cli.scene.fields import found, is_absent, mapping
+from cgff_cli.scene.findings import NOWHERE, Findings, Mark, Where
+from cgff_cli.scene.keys import check_keys
+from cgff_cli.scene.located import Document, FormError
 from cgff_cli.scene.schema import SCENE_KEYS
 from cgff_cli.scene.shipped import shipped
 from cgff_cli.scene.text import read_text, reason
+from cgff_cli.scene.yaml_text import yaml_events
 
 NOTES = ("source", "covers", "slow", "reference", "near", "same_iterations_as", "wrong")
 """Keys of a case for its readers and for tests of its answer; measuring ignores them."""
@@ -54,7 +56,7 @@ def read_suite(path: str | os.PathLike[str]) -> list[Case]:
     """Return the cases of a suite; raises SceneError with every mistake in its form."""
     shown = os.fspath(path)
     document = Document(yaml_events(_text(shown)))
-    findings = Findings()
+    findings = Findings(document.faults)
     if document.whole and not isinstance(document.value, list):
         findings.add((), f"a suite must be a list of cases, got {found(document.value)}")
     entries = document.value if isinstance(document.value, list) else []
@@ -64,8 +66,8 @@ def read_suite(path: str | os.PathLike[str]) -> list[Case]:
     for i, case in enumerate(cases):
         if case is not None and ids.setdefault(case.id, i) != i:
             findings.add((i, "id"), f"case {case.id} is there already")
-    if not findings.none or document.faults:
-        raise SceneError(findings.problems(shown, document.place, document.faults))
+    if not findings.none:
+        raise SceneError(findings.problems(shown, document.place))
     return [case for case in cases if case is not None]
 
 
@@ -73,7 +75,7 @@ def _text(path: str) -> str:
     try:
         return read_text(path).removeprefix("\ufeff")
     except (OSError, ValueError) as error:
-        raise SceneError([Problem(path, 1, 1, f"cannot read the file: {reason(error)}")]) from None
+        raise SceneError([Problem(path, *NOWHERE, f"cannot read the file: {reason(error)}")]) from None
 
 
 def _is_suite(path: str) -> bool:
@@ -88,7 +90,7 @@ def _is_suite(path: str) -> bool:
 def _single(path: str) -> Case:
     """Return the case that a scene file amounts to."""
     name = os.path.splitext(os.path.basename(path))[0]
-    return Case(name, None, {"file": os.path.basename(path)}, path, lambda where, at_key: (1, 1))
+    return Case(name, None, {"file": os.path.basename(path)}, path, lambda where, at_key: NOWHERE)
 
 
 def _case(
@@ -98,10 +100,7 @@ def _case(
     values = mapping(findings, (i,), entry, "with id and scene")
     if values is None:
         return None
-    check_keys(findings, (i,), values, CASE_KEYS)
-    for key in ("id", "scene"):
-        if key not in values:
-            findings.add((i,), f"missing key {key!r}")
+    check_keys(findings, (i,), values, CASE_KEYS, dict.fromkeys(("id", "scene"), ""))
     name = values.get("id")
     if name is not None and (not isinstance(name, str) or not name or not name.isprintable()):
         findings.add((i, "id"), f"must be a word, got {found(name)}")
@@ -126,7 +125,7 @@ def _block(findings: Findings, where: Where, value: object) -> dict[str, Any]:
     return mapping(findings, where, value, "of names to values") or {}
 
 
-def _check_scene(findings: Findings, where: Where, recipe: Collection[str]) -> None:
+def _check_scene(findings: Findings, where: Where, recipe: Mapping[str, Any]) -> None:
     """Record what cannot be in a scene's recipe: two sources, unknown keys."""
     sources = [name for name in SOURCES if name in recipe]
     if len(sources) > 1:

@@ -16,6 +16,7 @@ from cgff_cli import __version__
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from cgff_cli.cli.common import errors_reported, word_options
+from cgff_cli.hints import did_you_mean
 
 COMMANDS = {
     "solve": "Find the equilibrium shape of each scene.",
@@ -78,12 +79,9 @@ class LazyGroup(click.Group):
 
 
 def _meant(word: str) -> str:
-    import difflib
-
     if os.path.exists(word):
         return f"did you mean 'cgff solve {word}'?"
-    near = difflib.get_close_matches(word, COMMANDS, n=1)
-    return f"did you mean {near[0]!r}?" if near else f"there are {', '.join(COMMANDS)}"
+    return did_you_mean(word, COMMANDS)[2:] or f"there are {', '.join(COMMANDS)}"
 
 
 @click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]}, epilog=EPILOG)

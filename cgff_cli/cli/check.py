@@ -15,7 +15,7 @@ from cgff_cli.cli.common import (
     worst,
 )
 from cgff_cli.cli.options import scenes_argument
-from cgff_cli.errors import SceneError
+from cgff_cli.errors import Problem, SceneError
 from cgff_cli.report.files import STDOUT, write_output
 
 if TYPE_CHECKING:
@@ -63,11 +63,16 @@ def _checked(path: str) -> tuple[dict[str, Any], ExitCode]:
     except Exception as error:
         problems = error.problems if isinstance(error, SceneError) else ()
         code = report_error(error)
-        found = [{"path": p.path, "line": p.line, "column": p.column, "message": p.message} for p in problems]
-        return _record(path, None, found), code
+        return _record(path, None, [_placed(problem) for problem in problems]), code
     for warning in scene.warnings:
         warn(f"cgff: {title(path)}: warning: {warning}")
     return _record(path, scene, []), ExitCode.OK
+
+
+def _placed(problem: Problem) -> dict[str, Any]:
+    """Return a problem by field; line and column are null where it has no place."""
+    place = {"line": problem.line or None, "column": problem.column or None}
+    return {"path": problem.path, **place, "message": problem.message}
 
 
 def _record(path: str, scene: "Scene | None", problems: list[dict[str, Any]]) -> dict[str, Any]:

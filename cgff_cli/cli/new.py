@@ -1,13 +1,13 @@
 """`cgff new`: write a scene of a family. Its commands are made from the families' own parameters."""
 
 import os
-from difflib import get_close_matches
 from typing import Any
 
 import click
 
 from cgff_cli.cli.common import SectionCommand, SectionOption, word_options
 from cgff_cli.errors import CgffError, OptionError
+from cgff_cli.hints import did_you_mean
 from cgff_cli.report.files import STDOUT, check_target, is_stream, write_output
 from cgff_cli.scene.families import FAMILIES
 from cgff_cli.scene.new import Made, find, make
@@ -46,8 +46,7 @@ class FamilyGroup(click.Group):
         """Find the family; an unknown one is refused with what may have been meant."""
         word = args[0]
         if word not in FAMILIES and not word.startswith("-") and not ctx.resilient_parsing:
-            near = get_close_matches(word, FAMILIES, n=1)
-            hint = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(FAMILIES)}"
+            hint = did_you_mean(word, FAMILIES)[2:] or f"there are {', '.join(FAMILIES)}"
             ctx.fail(f"no such family {word!r}; {hint}")
         return super().resolve_command(ctx, args)
 

@@ -7,7 +7,7 @@ from contextlib import suppress
 from functools import cached_property
 
 from cgff_cli.errors import Problem
-from cgff_cli.scene.findings import LISTED, Mark, listed, more
+from cgff_cli.scene.findings import LISTED, Mark, counted, folded, listed, more
 
 _NO_MARKS = bytes(byte for byte in range(256) if byte not in b",\n")
 _BLANKS = [chr(code) for code in range(128) if chr(code).isspace() and chr(code) != "\n"]
@@ -27,7 +27,7 @@ class Table:
     def __init__(self, path: str, text: str):
         self.path = path
         self._text = text
-        self._found: list[tuple[int, int, str]] = []
+        self._found: list[tuple[Mark, str, str | None]] = []
         self._broken: list[Problem] = []
         self.header: list[str] = []
         self.rows: list[list[str]] = []
@@ -68,9 +68,9 @@ class Table:
         """Whether there is a header at most."""
         return not self.rows and not self.cells
 
-    def add(self, row: int, column: int, message: str) -> None:
-        """Record a problem of one cell; row -1 is the header."""
-        self._found.append((row, column, message))
+    def add(self, row: int, column: int, message: str, alike: str | None = None) -> None:
+        """Record a problem of one cell; row -1 is the header; those that are `alike` are told once."""
+        self._found.append(((row, column), message, alike))
 
     @property
     def sound(self) -> bool:
@@ -79,15 +79,15 @@ class Table:
 
     def problems(self) -> list[Problem]:
         """Return the problems with their places, the first LISTED of them and how many follow."""
-        ordered = sorted(set(self._found))
-        shown = [self._problem(item) for item in ordered[:LISTED]]
+        ordered = folded(self._found)
+        shown = [self._problem(*item) for item in ordered[:LISTED]]
         if len(ordered) > LISTED:
-            return [*shown, more(self._problem(ordered[-1]), len(ordered) - LISTED)]
+            return [*shown, more(self._problem(*ordered[-1]), len(ordered) - LISTED)]
         return listed(shown + self._broken)
 
-    def _problem(self, item: tuple[int, int, str]) -> Problem:
-        row, column, message = item
-        return Problem(self.path, *self.place(row, column), message)
+    def _problem(self, cell: Mark, message: str, others: list[Mark]) -> Problem:
+        line, column = self.place(*cell)
+        return Problem(self.path, line, column, counted(message, line, [self.place(*o)[0] for o in others]))
 
     def place(self, row: int, column: int) -> Mark:
         """Return line and column of the first character of a cell."""

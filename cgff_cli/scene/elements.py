@@ -7,11 +7,13 @@ import numpy as np
 from cgff_cli.scene import fields
 from cgff_cli.scene.fields import found
 from cgff_cli.scene.findings import Findings, Where, quoted
+from cgff_cli.scene.keys import check_keys
 from cgff_cli.scene.located import Plain
 from cgff_cli.scene.nodes import Nodes
 from cgff_cli.scene.scene import KINDS, Group
 
 GROUP_KEYS = ("kind", "EA", "rest_length", "pairs")
+_PAIRS = "a list of node pairs such as [[a, b], [b, c]]"
 
 
 def least(law: str | None) -> dict[str, str]:
@@ -29,12 +31,17 @@ def read_elements(
         return None
     if not values:
         findings.add(("elements",), "must hold at least one group, got none", at_key=True)
+    outside = [key for key, group in values.items() if key in GROUP_KEYS and not isinstance(group, dict)]
+    if outside:
+        message = f"{outside[0]} is a key of a group: indent it below the name of its group"
+        findings.add_key(("elements", outside[0]), message)
     groups = []
     for key, group in values.items():
         fields.name(findings, ("elements", key), key, at_key=True)
-        groups.append(_group(findings, ("elements", key), group, nodes, law))
+        if not outside or isinstance(group, dict):
+            groups.append(_group(findings, ("elements", key), group, nodes, law))
     good = [group for group in groups if group is not None]
-    return good if groups and len(good) == len(groups) else None
+    return good if groups and len(good) == len(values) else None
 
 
 def _group(
@@ -43,10 +50,7 @@ def _group(
     values = fields.mapping(findings, where, value, f"with the keys {', '.join(GROUP_KEYS)}")
     if values is None:
         return None
-    fields.check_keys(findings, where, values, GROUP_KEYS)
-    missing = [key for key in GROUP_KEYS if key not in values]
-    for key in missing:
-        findings.add(where, f"missing key {key!r}", at_key=True)
+    check_keys(findings, where, values, GROUP_KEYS, dict.fromkeys(GROUP_KEYS, ""))
     kind = count = pairs = None
     if "kind" in values:
         kind = fields.one_of(findings, (*where, "kind"), values["kind"], KINDS, "cable or strut")
@@ -72,7 +76,8 @@ def _column(
         return None if number is None or count is None else np.full(count, number)
     numbers = fields.numbers(findings, where, value, lower)
     if count is not None and len(value) != count:
-        findings.add(where, f"must be one number or a list of {count}, one per pair, got {found(value)}")
+        message = f"must be one number or a list of {count}, one per pair, got {found(value)}"
+        findings.add(where, message, alike=(where[:-1], len(value)))
         return None
     return numbers
 
@@ -82,10 +87,13 @@ def _pairs(
 ) -> tuple[int | None, np.ndarray | None]:
     """Return how many pairs were written, and their (m, 2) node rows where all are right."""
     if not isinstance(value, list):
-        findings.add(where, f"must be a list of node pairs such as [[a, b], [b, c]], got {found(value)}")
+        findings.add(where, f"must be {_PAIRS}, got {found(value)}")
         return None, None
     if not value:
         findings.add(where, "must hold at least one pair, got an empty list")
+        return None, None
+    if not any(isinstance(pair, (list, dict)) for pair in value):
+        findings.add(where, f"must be {_PAIRS}, got a list of {len(value)} names")
         return None, None
     if nodes and set(map(type, value)) == {list} and set(map(len, value)) == {2}:
         ends = list(chain.from_iterable(value))
@@ -98,7 +106,7 @@ def _pairs(
 
 def _pair(findings: Findings, where: Where, value: object, nodes: Nodes | None) -> tuple[int, int] | None:
     if not isinstance(value, list) or len(value) != 2:
-        findings.add(where, f"must be two node names, got {found(value)}")
+        findings.add(where, f"must be two node names, got {found(value)}", alike=(where[:-1], found(value)))
         return None
     names = [fields.name(findings, (*where, i), end) for i, end in enumerate(value)]
     if names[0] is not None and names[0] == names[1]:

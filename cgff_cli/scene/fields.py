@@ -6,7 +6,7 @@ None where it recorded a problem.
 
 import math
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -111,9 +111,11 @@ def number(findings: Findings, where: Where, value: object, lower: str = "") -> 
         fault = f"must be a finite number, got {value}"
     else:
         result = _as_double(value)
-    fault = fault or size_fault(result, lower, found(value))
-    if fault:
-        findings.add(where, fault)
+    size = None if fault else size_fault(result, lower, found(value))
+    if fault or size:
+        field = next((step for step in reversed(where) if isinstance(step, str)), "")
+        zeros = ("zeros", field) if size and result == 0.0 else None
+        findings.add(where, fault or size or "", alike=zeros)
         return None
     return result
 
@@ -178,15 +180,6 @@ def mapping(findings: Findings, where: Where, value: object, content: str) -> di
         return value
     findings.add(where, f"must be a mapping {content}, got {found(value)}")
     return None
-
-
-def check_keys(findings: Findings, where: Where, keys: Collection[str], allowed: Collection[str]) -> None:
-    """Record every key that is not allowed."""
-    for key in keys:
-        if key not in allowed:
-            hint = findings.hint(key, allowed)[1:]
-            message = f"unknown key {quoted(key)};{hint} allowed: {', '.join(allowed)}"
-            findings.add_key((*where, key), message)
 
 
 def one_of(

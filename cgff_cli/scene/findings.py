@@ -1,10 +1,11 @@
 """What is wrong with a scene, collected by place; line and column are worked out only at the end."""
 
 import re
-from collections.abc import Callable, Collection, Iterable
-from typing import Protocol
+from collections.abc import Callable, Collection, Hashable, Iterable, Sequence
+from typing import NamedTuple, Protocol, TypeVar
 
 from cgff_cli.errors import Problem
+from cgff_cli.hints import did_you_mean
 
 Where = tuple[str | int, ...]
 """Keys and indices that lead to a value, such as ("elements", "ring", "EA", 3)."""
@@ -12,12 +13,17 @@ Where = tuple[str | int, ...]
 Mark = tuple[int, int]
 """Line and column, both counted from 1."""
 
+NOWHERE: Mark = (0, 0)
+"""The place of what has none: a file that cannot be read, a value from Python."""
+
 LISTED = 100
 """At most so many problems of one file are listed; more would bury the first ones."""
 
 _HINTS = 20
-_POOL = 1000
+_LINES = 5
 _WORD = re.compile(r"[\w+-]+")
+
+Place = TypeVar("Place", bound=tuple[int, int])
 
 
 class OtherFile(Protocol):
@@ -31,37 +37,53 @@ class OtherFile(Protocol):
         """Return its problems with their places."""
 
 
-class Findings:
-    """Problems found so far, in the scene file itself and in the files it refers to."""
+class _Item(NamedTuple):
+    where: Where
+    message: str
+    at_key: bool
+    alike: Hashable
 
-    def __init__(self) -> None:
-        self._items: list[tuple[Where, str, bool]] = []
+
+class Findings:
+    """Problems found so far, in the scene file itself and in the files it refers to.
+
+    faults : (place, message) of what is wrong with the form of the file
+    """
+
+    def __init__(self, faults: Sequence[tuple[Mark, str]] = ()) -> None:
+        self.faults = faults
+        self._items: list[_Item] = []
         self._hints: dict[tuple[str, int], str] = {}
         self.other_files: list[OtherFile] = []
 
-    def add(self, where: Where, message: str, at_key: bool = False) -> None:
-        """Record a problem of the value at `where`; `at_key` points at its key instead."""
-        self._items.append((where, f"{label(where)}: {message}" if where else message, at_key))
+    def add(self, where: Where, message: str, at_key: bool = False, alike: Hashable = None) -> None:
+        """Record a problem of the value at `where`; `at_key` points at its key instead.
 
-    def add_key(self, where: Where, message: str) -> None:
+        Problems that are `alike` are one mistake, made in many places, and told once.
+        """
+        self._items.append(_Item(where, f"{label(where)}: {message}" if where else message, at_key, alike))
+
+    def add_key(self, where: Where, message: str, alike: Hashable = None) -> None:
         """Record a problem of a key; the message speaks of the mapping that holds it."""
         owner = where[:-1]
-        self._items.append((where, f"{label(owner)}: {message}" if owner else message, True))
+        self._items.append(_Item(where, f"{label(owner)}: {message}" if owner else message, True, alike))
 
     @property
     def none(self) -> bool:
         """Whether nothing was found."""
-        return not self._items and all(file.sound for file in self.other_files)
+        return not self.faults and not self._items and all(file.sound for file in self.other_files)
 
-    def problems(
-        self, path: str, place: Callable[[Where, bool], Mark], faults: Iterable[tuple[Mark, str]] = ()
-    ) -> list[Problem]:
+    def problems(self, path: str, place: Callable[[Where, bool], Mark]) -> list[Problem]:
         """Return the problems of every file, cut to a readable number each.
 
-        Those of the scene itself are placed by `place`; `faults` of its form have their places.
+        Those of the scene itself are placed by `place`; nothing else is told of a value whose form is at
+        fault.
         """
-        here = [Problem(path, *at, message) for at, message in faults]
-        here += [Problem(path, *place(where, at_key), text) for where, text, at_key in self._items]
+        at_fault = {at for at, _ in self.faults}
+        placed = [(place(item.where, item.at_key), item.message, item.alike) for item in self._items]
+        here = [Problem(path, *at, message) for at, message in self.faults]
+        for at, message, others in folded(item for item in placed if item[0] not in at_fault):
+            here.append(Problem(path, *at, counted(message, at[0], [line for line, _ in others])))
         return listed(here) + [problem for file in self.other_files for problem in file.problems()]
 
     def hint(self, name: str, candidates: Collection[str]) -> str:
@@ -72,8 +94,7 @@ class Findings:
         """
         asked = (name, id(candidates))
         if asked not in self._hints:
-            near = nearest(name, candidates) if len(self._hints) < _HINTS else None
-            self._hints[asked] = f"; did you mean {quoted(near)}?" if near else ""
+            self._hints[asked] = did_you_mean(name, candidates) if len(self._hints) < _HINTS else ""
         return self._hints[asked]
 
 
@@ -95,27 +116,32 @@ def quoted(text: str, limit: int = 60) -> str:
     return repr(text) if len(text) <= limit else repr(text[:limit]) + "..."
 
 
-def nearest(name: str, candidates: Iterable[str]) -> str | None:
-    """Return the first of the candidates most like a name, or None where none is near."""
-    from difflib import SequenceMatcher
-
-    pool = [word for word in candidates if abs(len(word) - len(name)) <= 1 + len(name) // 3]
-    if len(pool) > _POOL:
-        pool = [word for word in pool if word[:3] == name[:3]][:_POOL]
-    matcher = SequenceMatcher(None, "", name.lower(), autojunk=False)
-    best, score = None, 0.6 if len(name) > 2 else 0.5
-    for word in pool:
-        matcher.set_seq1(word.lower())
-        ratio = matcher.ratio() if matcher.quick_ratio() >= score else 0.0
-        if ratio > score or (best is None and ratio == score):
-            best, score = word, ratio
-    return best
-
-
 def first_few(names: Collection[str], limit: int = 3) -> str:
     """Return the first names of a collection in quotes, and how many there are if more."""
     shown = ", ".join(quoted(name) for _, name in zip(range(limit), names, strict=False))
     return shown if len(names) <= limit else f"{shown}, ... ({len(names)} in all)"
+
+
+def folded(found: Iterable[tuple[Place, str, Hashable]]) -> list[tuple[Place, str, list[Place]]]:
+    """Return (place, message, other places) of each mistake: what is alike is one, told where it is first."""
+    mistakes: dict[Hashable, tuple[Place, str, list[Place]]] = {}
+    for place, message, alike in sorted(set(found), key=lambda item: item[:2]):
+        key = (place, message) if alike is None else alike
+        if key in mistakes:
+            mistakes[key][2].append(place)
+        else:
+            mistakes[key] = (place, message, [])
+    return list(mistakes.values())
+
+
+def counted(message: str, line: int, others: Sequence[int], how_often: str = "times") -> str:
+    """Return a message with how often and on which lines the same mistake was made, where not once."""
+    if not others:
+        return message
+    lines = list(map(str, dict.fromkeys([line, *others])))
+    shown = ", ".join(lines[:_LINES]) + (", ..." if len(lines) > _LINES else "")
+    where = f", on line{'s' if len(lines) > 1 else ''} {shown}" if line else ""
+    return f"{message}{'' if message.endswith('?') else ';'} {len(others) + 1} {how_often}{where}"
 
 
 def listed(problems: list[Problem]) -> list[Problem]:

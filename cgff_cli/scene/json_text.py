@@ -9,7 +9,13 @@ import re
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
+from cgff_cli.scene.brackets import innermost
+
 _TOKEN = re.compile(r'[ \t\n\r,:]*([\[\]{}]|"(?:[^"\\]|\\.)*"|[^ \t\n\r,:\[\]{}"]+)')
+
+
+_CLOSES = re.compile(r"\s*([]}])")
+_CLOSING = {"[": "]", "{": "}"}
 
 
 class UnclearError(ValueError):
@@ -44,6 +50,44 @@ def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 def _constant(word: str) -> Any:
     raise UnclearError
+
+
+def fault(text: str, error: json.JSONDecodeError) -> tuple[int, str]:
+    """Return where a text stops being JSON, or where what is not finished was begun, and why."""
+    at = error.pos
+    quote = _open_quote(text, at)
+    if quote is not None:
+        return quote, "the quote opened here is not closed, or one on its line is too many"
+    if text.startswith(("//", "/*", "#"), at):
+        return at, "comments are for scenes in YAML, behind #"
+    if text.startswith("'", at):
+        return at, "names and words stand in double quotes"
+    opened = innermost(text, text.find(text.lstrip()[:1]), at)
+    closing = text[at : at + 1] if text[at:].strip() else ""
+    if opened is not None and closing in ("", *"]}") and closing != _CLOSING[text[opened]]:
+        return opened, f"the {text[opened]!r} opened here is not closed"
+    return _behind_comma(text, error) or (at, error.msg[:1].lower() + error.msg[1:])
+
+
+def _behind_comma(text: str, error: json.JSONDecodeError) -> tuple[int, str] | None:
+    """Return where a bracket closes behind a comma; Python 3.13 stops at the comma, others behind it."""
+    comma = text.rfind(",", 0, error.pos + 1)
+    close = _CLOSES.match(text, comma + 1) if comma >= 0 else None
+    if close is None or close.end() <= error.pos:
+        return None
+    wanted = "property name enclosed in double quotes" if close.group(1) == "}" else "value behind the comma"
+    return close.start(1), f"expecting {wanted}"
+
+
+def _open_quote(text: str, at: int) -> int | None:
+    """Return where the text in quotes begins that is not closed on its line, or closed at a wrong place."""
+    begin = text.rfind("\n", 0, at) + 1
+    line = text[begin : text.find("\n", begin) if "\n" in text[begin:] else None]
+    quotes = [begin + mark.start() for mark in re.finditer(r'(?<!\\)"', line)]
+    if len(quotes) % 2 == 0:
+        return None
+    before = [quote for i, quote in enumerate(quotes) if quote <= at and i % 2 == 0]
+    return before[-1] if before else quotes[0]
 
 
 class _Mark(NamedTuple):

@@ -5,11 +5,11 @@ written without quotes) and the field it fills decides what it means. YAML's own
 `1e-8` into text, `no` into false and `1:30` into 90.
 """
 
-import re
 from collections.abc import Iterator
 from typing import Any
 
-from cgff_cli.scene.findings import Mark, Where, label, quoted
+from cgff_cli.scene.findings import Mark, Where, counted, label, quoted
+from cgff_cli.scene.keys import Holed
 
 DEPTH = 40
 """A scene needs five levels; deeper nesting is a mistake or an attack."""
@@ -17,7 +17,6 @@ DEPTH = 40
 ALIASED = 100_000
 """How many values all aliases of a file together may stand for."""
 
-_NOT_TEXT = "[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 _EMPTY = "the file is empty; a scene needs at least law, nodes and elements"
 
 
@@ -81,40 +80,9 @@ class Document:
         return tree.at if isinstance(tree, Branch) else tree
 
 
-def yaml_events(text: str) -> Iterator[Any]:
-    """Yield the YAML events of a text; raises FormError where it is not YAML."""
-    import yaml
-
-    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-    try:
-        yield from yaml.parse(text, Loader=loader)
-    except yaml.MarkedYAMLError as error:
-        raise FormError(_yaml_mark(error), _yaml_message(error, text)) from None
-    except (yaml.YAMLError, UnicodeEncodeError):
-        found = re.search(_NOT_TEXT, text)
-        if found is None:
-            raise
-        message = f"character U+{ord(found.group()):04X} is not allowed in a scene file"
-        raise FormError(mark_of(text, found.start()), message) from None
-
-
 def mark_of(text: str, offset: int) -> Mark:
     """Return line and column of a position in a text."""
     return text.count("\n", 0, offset) + 1, offset - (text.rfind("\n", 0, offset) + 1) + 1
-
-
-def _yaml_mark(error: Any) -> Mark:
-    mark = error.problem_mark or error.context_mark
-    return (mark.line + 1, mark.column + 1) if mark else (1, 1)
-
-
-def _yaml_message(error: Any, text: str) -> str:
-    line, column = _yaml_mark(error)
-    lines = text.split("\n")
-    if line <= len(lines) and lines[line - 1][column - 1 : column] == "\t":
-        return "not valid YAML: a tab cannot indent; use spaces"
-    context = f"{error.context}: " if error.context else ""
-    return f"not valid YAML: {context}{error.problem}"
 
 
 def _at(event: Any) -> Mark:
@@ -179,6 +147,8 @@ class _Composer:
 
     def _mapping(self, branch: Branch, where: Where, depth: int) -> tuple[dict[str, Any], Branch]:
         values: dict[str, Any] = {}
+        wrong: dict[tuple[str, int], list[tuple[Mark, str]]] = {}
+        missed = 0
         for event in self.events:
             if type(event).__name__ == "MappingEndEvent":
                 break
@@ -186,12 +156,16 @@ class _Composer:
             at = _at(event)
             name = key if isinstance(key, str) else "?"
             value, tree = self._node(next(self.events), (*where, name), depth + 1)
-            fault = _key_fault(key, branch)
+            fault = _key_fault(key, value, branch)
             if fault:
-                self._fault(at, where, fault)
+                wrong.setdefault((fault.partition("'")[0], len(values)), []).append((at, fault))
+                missed += _brought(value) if key == "<<" else 1
             else:
                 values[key], branch.keys[key], branch.members[key] = value, at, tree
-        return values, branch
+        for (at, fault), *others in wrong.values():  # each a row of keys with one kind of fault
+            lines = [line for (line, _), _ in others]
+            self._fault(at, where, counted(fault, at[0], lines, "in a row"))
+        return Holed(values, missed) if missed else values, branch
 
     def _alias(self, event: Any) -> tuple[Any, Tree]:
         name = event.anchor
@@ -215,15 +189,22 @@ class _Composer:
         self.faults.append((at, f"{label(where)}: {message}" if where else message))
 
 
+def _brought(value: Any) -> int:
+    """Return how many keys a merge key would have brought."""
+    return sum(map(len, value if isinstance(value, list) else [value]))
+
+
 def _scalar(event: Any) -> str:
     return event.value if event.style else Plain(event.value)
 
 
-def _key_fault(key: object, branch: Branch) -> str | None:
+def _key_fault(key: object, value: object, branch: Branch) -> str | None:
     if not isinstance(key, str):
         return "a key must be a word, not a list or mapping"
     if isinstance(key, Plain) and key == "<<":
         return "merge keys (<<) are not allowed; write the values out"
+    if isinstance(key, Plain) and ":" in key and isinstance(value, Plain) and not value:
+        return "a blank must follow the colon of a key"
     if key in branch.keys:
         return f"duplicate key {quoted(key)}; first on line {branch.keys[key][0]}"
     return None

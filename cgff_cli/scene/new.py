@@ -1,13 +1,13 @@
 """The door to the families: a name and parameters in, a scene and words about it out."""
 
 from collections.abc import Callable, Mapping
-from difflib import get_close_matches
 from importlib import import_module
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from cgff_cli.errors import OptionError
+from cgff_cli.hints import did_you_mean
 from cgff_cli.scene.equilibrium import Equilibrium, realised
 from cgff_cli.scene.families import FAMILIES
 from cgff_cli.scene.parameters import Parameter, parameters_of
@@ -94,5 +94,4 @@ def _word(value: object) -> str:
 
 
 def _hint(name: str, known: Mapping[str, object]) -> str:
-    near = get_close_matches(name, known, n=1)
-    return f"; did you mean {near[0]!r}?" if near else f"; allowed: {', '.join(known)}"
+    return did_you_mean(name, known) or f"; allowed: {', '.join(known)}"

@@ -9,6 +9,7 @@ import numpy as np
 from cgff_cli.scene import fields
 from cgff_cli.scene.fields import found
 from cgff_cli.scene.findings import Findings, Where, first_few, quoted
+from cgff_cli.scene.keys import lost
 
 
 class Nodes:
@@ -18,6 +19,7 @@ class Nodes:
     coordinates : (n, d) array, None where any is wrong
     dimension   : 2 or 3, None where no node tells
     report      : records a problem of one node, by row, at its place
+    lost        : how many names could not be read
     """
 
     def __init__(
@@ -26,16 +28,30 @@ class Nodes:
         coordinates: np.ndarray | None,
         dimension: int | None,
         report: Callable[[int, str], None],
+        lost: int = 0,
     ):
         self.rows = rows
         self.coordinates = coordinates
         self.dimension = dimension
         self.report = report
+        self.lost = lost
+        self.strangers: dict[str, list[Callable[[str, str], None]]] = {}
 
-    def undefined(self, findings: Findings, name: str) -> str:
-        """Return the message about a name that is no node, with the nearest one or the first few."""
-        hint = findings.hint(name, self.rows) or f"; defined: {first_few(self.rows)}"
-        return f"node {quoted(name)} is not defined{hint}"
+    def stranger(self, name: str, report: Callable[[str, str], None]) -> None:
+        """Keep a name that is no node until all are known; `report` takes the message and what is alike."""
+        self.strangers.setdefault(name, []).append(report)
+
+    def report_strangers(self, findings: Findings) -> None:
+        """Record every name that is no node, with the nearest ones or the first few.
+
+        As many as were lost are these very names, it may be, and no mistakes of their own.
+        """
+        if len(self.strangers) <= self.lost:
+            return
+        for name, reports in self.strangers.items():
+            hint = findings.hint(name, self.rows) or f"; defined: {first_few(self.rows)}"
+            for report in reports:
+                report(f"node {quoted(name)} is not defined{hint}", f"node {name}")
 
     def look_up(self, names: Sequence[str]) -> np.ndarray | None:
         """Return the rows of many names at once, or None where one is not defined."""
@@ -49,7 +65,8 @@ class Nodes:
         name = fields.name(findings, where, value, at_key)
         if name is None or name in self.rows:
             return None if name is None else self.rows[name]
-        (findings.add_key if at_key else findings.add)(where, self.undefined(findings, name))
+        add = findings.add_key if at_key else findings.add
+        self.stranger(name, lambda message, alike: add(where, message, alike=alike))
         return None
 
 
@@ -69,7 +86,13 @@ def read_nodes(findings: Findings, value: object) -> Nodes | None:
     if None in named:
         coordinates = None
     rows = {str(key): row for row, key in enumerate(keys)}
-    return Nodes(rows, coordinates, dimension, lambda row, text: findings.add_key(("nodes", keys[row]), text))
+    return Nodes(
+        rows,
+        coordinates,
+        dimension,
+        lambda row, text: findings.add_key(("nodes", keys[row]), text),
+        lost(values) + named.count(None),
+    )
 
 
 def _dimension(values: dict[str, Any]) -> int | None:
@@ -95,11 +118,17 @@ def vectors(
 def _vector(findings: Findings, where: Where, value: object, dimension: int | None) -> np.ndarray | None:
     wanted = f"{dimension}" if dimension else "2 or 3"
     if not isinstance(value, list):
-        findings.add(where, f"must be a list of {wanted} numbers, got {found(value)}")
+        findings.add(where, f"must be a list of {wanted} numbers, got {found(value)}", alike=where[:-1])
         return None
     numbers = fields.numbers(findings, where, value)
-    if len(value) == dimension or (dimension is None and len(value) in (2, 3)):
+    if len(value) == dimension or (dimension is None and len(value) in (2, 3)) or _unsplit(value, numbers):
         return numbers
     why = f" in this {dimension}-D scene" if dimension and len(value) in (2, 3) else ""
-    findings.add(where, f"must be a list of {wanted} numbers{why}, got {found(value)}")
+    message = f"must be a list of {wanted} numbers{why}, got {found(value)}"
+    findings.add(where, message, alike=(where[:-1], len(value) > (dimension or 2)))
     return None
+
+
+def _unsplit(value: list[Any], numbers: np.ndarray | None) -> bool:
+    """Return whether a list is one text that was meant to be several numbers, such as [1 0 0]."""
+    return len(value) == 1 and numbers is None

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from cgff_cli.errors import Problem, SceneError
-from cgff_cli.scene.findings import Findings, Where, quoted
+from cgff_cli.scene.findings import NOWHERE, Findings, Where, quoted
 from cgff_cli.scene.located import DEPTH
 
 
@@ -16,7 +16,7 @@ def plain_values(findings: Findings, value: object, where: Where = ()) -> Any:
     Raises SceneError where they are nested too deep, as a list that holds itself is.
     """
     if len(where) > DEPTH:
-        raise SceneError([Problem("<python>", 1, 1, f"nested deeper than {DEPTH} levels")])
+        raise SceneError([Problem("<python>", *NOWHERE, f"nested deeper than {DEPTH} levels")])
     if isinstance(value, np.ndarray):
         return value.tolist()
     if isinstance(value, np.generic):

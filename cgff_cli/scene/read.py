@@ -8,11 +8,12 @@ from contextlib import contextmanager
 from typing import Any
 
 from cgff_cli.errors import Problem, SceneError
-from cgff_cli.scene.findings import Findings
-from cgff_cli.scene.located import Document, yaml_events
+from cgff_cli.scene.findings import NOWHERE, Findings
+from cgff_cli.scene.located import Document, mark_of
 from cgff_cli.scene.scene import Scene
 from cgff_cli.scene.schema import read_scene
 from cgff_cli.scene.text import decoded, read_text, reason
+from cgff_cli.scene.yaml_text import yaml_events
 
 STDIN = "<stdin>"
 
@@ -29,7 +30,7 @@ def load(path: str | os.PathLike[str]) -> Scene:
             return loads(decoded(sys.stdin.buffer.read(), STDIN), STDIN)
         text = read_text(shown)
     except (OSError, ValueError) as error:
-        raise SceneError([Problem(shown, 1, 1, f"cannot read the scene: {reason(error)}")]) from None
+        raise SceneError([Problem(shown, *NOWHERE, f"cannot read the scene: {reason(error)}")]) from None
     return loads(text, shown, os.path.dirname(shown))
 
 
@@ -62,14 +63,14 @@ def loads(text: str, path: str = "<text>", base: str | os.PathLike[str] | None =
 def from_dict(mapping: Mapping[str, Any]) -> Scene:
     """Read a scene from Python objects of the same form; numpy numbers and arrays are welcome.
 
-    Raises SceneError with every problem found, all at <python>:1:1.
+    Raises SceneError with every problem found, each without a line.
     """
     from cgff_cli.scene.python_values import plain_values
 
     findings = Findings()
     scene = read_scene(findings, plain_values(findings, mapping), "<python>", "")
     if scene is None or not findings.none:
-        raise SceneError(findings.problems("<python>", lambda where, at_key: (1, 1)))
+        raise SceneError(findings.problems("<python>", lambda where, at_key: NOWHERE))
     return scene
 
 
@@ -89,15 +90,15 @@ def _load_json(text: str, path: str, base: str) -> Scene | None:
     except JSONDecodeError as error:
         if not path.lower().endswith(".json") or not text.strip():
             return None
-        message = f"not valid JSON: {error.msg[:1].lower()}{error.msg[1:]}"
-        raise SceneError([Problem(path, error.lineno, error.colno, message)]) from None
+        offset, message = json_text.fault(text, error)
+        raise SceneError([Problem(path, *mark_of(text, offset), f"not valid JSON: {message}")]) from None
     return _located(Document(json_text.events(text)), path, base)
 
 
 def _located(document: Document, path: str, base: str) -> Scene:
     """Return the scene of a document, or raise SceneError with the place of every problem."""
-    findings = Findings()
+    findings = Findings(document.faults)
     scene = read_scene(findings, document.value, path, base) if document.whole else None
-    if scene is not None and findings.none and not document.faults:
+    if scene is not None and findings.none:
         return scene
-    raise SceneError(findings.problems(path, document.place, document.faults))
+    raise SceneError(findings.problems(path, document.place))

@@ -2,6 +2,7 @@
 
 import os.path
 from collections.abc import Collection, Sequence
+from functools import partial
 from itertools import chain
 
 import numpy as np
@@ -9,7 +10,8 @@ import numpy as np
 from cgff_cli.errors import Problem, SceneError
 from cgff_cli.scene.csv_text import Table
 from cgff_cli.scene.fields import found, name_fault, number_text_fault, size_fault, sizes_fit, text_numbers
-from cgff_cli.scene.findings import Findings, Where, nearest, quoted
+from cgff_cli.scene.findings import Findings, Where, quoted
+from cgff_cli.scene.keys import key_faults
 from cgff_cli.scene.located import Plain
 from cgff_cli.scene.nodes import Nodes
 from cgff_cli.scene.scene import KINDS, Group
@@ -40,7 +42,8 @@ class _Columns:
             self.ragged = {i for i, row in enumerate(table.rows) if len(row) != width}
         for i in sorted(self.ragged):
             row = table.rows[i]
-            table.add(i, min(len(row) - 1, width), f"this row has {len(row)} cells, the header has {width}")
+            message = f"this row has {len(row)} cells, the header has {width}"
+            table.add(i, min(len(row) - 1, width), message, alike=message)
             table.rows[i] = (row + [""] * width)[:width]
         cells = list(chain.from_iterable(table.rows))
         self.by_name = {column: cells[i::width] for i, column in enumerate(table.header)}
@@ -50,10 +53,10 @@ class _Columns:
         cells = self.by_name[column]
         return list(map(str.strip, cells)) if self.table.blanks else cells
 
-    def add(self, row: int, column: str, message: str) -> None:
+    def add(self, row: int, column: str, message: str, alike: str | None = None) -> None:
         """Record a problem of a cell, unless its whole row has been reported."""
         if row not in self.ragged:
-            self.table.add(row, self.table.header.index(column), message)
+            self.table.add(row, self.table.header.index(column), message, alike)
 
     def names(self, column: str) -> list[str]:
         """Return a column of names, recording every text that cannot be one."""
@@ -71,9 +74,11 @@ class _Columns:
         if result is not None and sizes_fit(result, lower):
             return result
         for row, text in enumerate(texts):
-            fault = number_text_fault(text) or size_fault(float(text), lower, found(Plain(text)))
-            if fault:
-                self.add(row, column, f"{column}: {fault}")
+            fault = number_text_fault(text)
+            size = None if fault else size_fault(float(text), lower, found(Plain(text)))
+            if fault or size:
+                zeros = column if size and float(text) == 0.0 else None
+                self.add(row, column, f"{column}: {fault or size}", alike=zeros)
         return None
 
 
@@ -121,7 +126,10 @@ def read_nodes(table: Table) -> Nodes | None:
     read = [columns.numbers(axis) for axis in axes]
     good = [column for column in read if column is not None]
     coordinates = np.column_stack(good) if table.sound and len(good) == len(axes) else None
-    return Nodes(rows, coordinates, len(axes), lambda row, text: columns.add(table_rows[row], "name", text))
+    nodes = Nodes(rows, coordinates, len(axes), lambda row, text: columns.add(table_rows[row], "name", text))
+    if not table.sound:
+        nodes.lost = len(columns.ragged) + sum(map(bool, map(name_fault, rows))) + len(names) - len(rows)
+    return nodes
 
 
 def _first_rows(columns: _Columns, names: list[str]) -> list[int]:
@@ -176,7 +184,7 @@ def _rows(findings: Findings, columns: _Columns, column: str, nodes: Nodes | Non
             return None
         for row, name in enumerate(names):
             if name and name not in nodes.rows:
-                columns.add(row, column, nodes.undefined(findings, name))
+                nodes.stranger(name, partial(columns.add, row, column))
     return rows
 
 
@@ -187,9 +195,8 @@ def _check_kinds(columns: _Columns, groups: list[str], kinds: list[str]) -> None
         return
     for row, (group, kind) in enumerate(zip(groups, kinds, strict=True)):
         if kind not in KINDS:
-            columns.add(
-                row, "kind", f"kind: must be cable or strut, got {quoted(kind) if kind else 'nothing'}"
-            )
+            message = f"kind: must be cable or strut, got {quoted(kind) if kind else 'nothing'}"
+            columns.add(row, "kind", message, alike=message)
         elif of_group.setdefault(group, kind) != kind:
             columns.add(row, "kind", f"group {quoted(group)} is of kind {of_group[group]} above, here {kind}")
 
@@ -198,18 +205,17 @@ def _check_header(table: Table, required: Collection[str], allowed: Collection[s
     """Record what is wrong with the header and return whether every row can be read by it."""
     if not table.sound:
         return False
-    seen: set[str] = set()
-    for i, column in enumerate(table.header):
-        if column in seen:
-            table.add(-1, i, f"column {quoted(column)} stands here twice")
-        elif column not in allowed:
-            near = nearest(column, allowed)
-            hint = f"; did you mean {near!r}?" if near else ";"
-            table.add(-1, i, f"unknown column {quoted(column)}{hint} allowed: {', '.join(allowed)}")
-        seen.add(column)
-    missing = [column for column in required if column not in seen]
-    if missing:
-        first = table.header[0] if len(table.header) == 1 else ""
+    header = table.header
+    faults, missing = key_faults(header, allowed, required, "column")
+    if not set(map(str.lower, header)) & set(map(str.lower, allowed)):  # no header at all
+        faults, missing = {}, list(required)
+    for column, fault in faults.items():
+        table.add(-1, header.index(column), fault)
+    twice = [i for i, column in enumerate(header) if column in allowed and column in header[:i]]
+    for i in twice:
+        table.add(-1, i, f"column {quoted(header[i])} stands here twice")
+    if len(missing) > len(twice):
+        first = header[0] if len(header) == 1 else ""
         hint = next((f"; cells are split by commas, not by {mark!r}" for mark in ";\t|" if mark in first), "")
         table.add(-1, 0, f"the first line must name the columns, missing: {', '.join(missing)}{hint}")
     elif table.empty:

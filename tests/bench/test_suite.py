@@ -97,6 +97,7 @@ def test_a_scene_by_itself_is_a_case_of_no_suite():
             "must be a number between 0 and 1",
         ),
         ("- id: a\n  scene: {structure: prism}\n  options: {repeat: 0.5}", 3, "must be a whole number > 0"),
+        ("- id: a\n  sceen: {structure: prism}", 2, "did you mean 'scene'?"),
         ("- id: a\n  scene: {structure: prism}\n  options: {toleranc: 1}", 3, "did you mean 'tolerance'?"),
         ("- id: a\n  scene: {structure: prism}\n  expect: {outcome: stable}", 3, "must be one of refused, "),
         ("- {id: a, scene: {structure: prism}, expect: {slack: two}}", 1, "must be a number of cables, got"),

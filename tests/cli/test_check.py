@@ -48,6 +48,15 @@ def test_json_of_many_scenes_is_one_object_per_line(run: Run, bad: str):
     assert records[0]["problems"][1]["message"].startswith("unknown key 'colour'")
 
 
+def test_a_file_that_is_not_there_has_no_line(run: Run):
+    ended = run("check", "nowhere.yaml", "--format", "json")
+    assert ended.exit_code == 3
+    assert ended.stderr == "nowhere.yaml: cannot read the scene: no such file\n"
+    message = "cannot read the scene: no such file"
+    problem = {"path": "nowhere.yaml", "line": None, "column": None, "message": message}
+    assert json.loads(ended.stdout)["problems"] == [problem]
+
+
 def test_standard_input_is_named_in_words(run: Run):
     assert run("check", "-", stdin=Path("prism.yaml").read_text()).stdout.startswith("<stdin>: ok: ")
 

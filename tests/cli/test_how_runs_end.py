@@ -44,7 +44,7 @@ def test_a_bad_scene_is_3_with_every_problem_on_a_line(run: Run, bad: str):
 def test_a_missing_file_is_a_bad_scene(run: Run):
     ended = run("solve", "nowhere.yaml")
     assert ended.exit_code == 3
-    assert ended.stderr.startswith("nowhere.yaml:1:1: ")
+    assert ended.stderr.startswith("nowhere.yaml: cannot read the scene: ")
 
 
 def test_a_bad_scene_stops_only_itself(run: Run, bad: str):

@@ -222,11 +222,11 @@ def test_python_values_are_refused_like_those_of_a_file():
     with pytest.raises(cgff_cli.SceneError) as caught:
         scene_with(nodes={"a": [0, 0, float("nan")], "b": [True, None, 10**400], "c": [0, 0, object()]})
     assert str(caught.value).split("\n") == [
-        "<python>:1:1: nodes.a[2]: must be a finite number, got nan",
-        "<python>:1:1: nodes.b[0]: must be a number, got True",
-        "<python>:1:1: nodes.b[1]: must be a number, got nothing",
-        "<python>:1:1: nodes.b[2]: must not exceed 1e30 in size, got a huge number",
-        "<python>:1:1: nodes.c[2]: must be a number, got a value of type object",
+        "<python>: nodes.a[2]: must be a finite number, got nan",
+        "<python>: nodes.b[0]: must be a number, got True",
+        "<python>: nodes.b[1]: must be a number, got nothing",
+        "<python>: nodes.b[2]: must not exceed 1e30 in size, got a huge number",
+        "<python>: nodes.c[2]: must be a number, got a value of type object",
     ]
 
 

@@ -30,11 +30,6 @@ def beside_the_scenes(monkeypatch):
     monkeypatch.chdir(HERE)
 
 
-def skip_words_of_another_yaml(lines):
-    if any("not valid YAML: while" in line for line in lines) and not yaml.__with_libyaml__:
-        pytest.skip("the words for wrong YAML are those of libyaml")
-
-
 def test_every_scene_has_its_lines():
     assert sorted(EXPECTED) == SCENES
     assert all(EXPECTED.values())
@@ -42,7 +37,6 @@ def test_every_scene_has_its_lines():
 
 @pytest.mark.parametrize("name", SCENES)
 def test_the_reader_reports_exactly(name):
-    skip_words_of_another_yaml(EXPECTED[name])
     with pytest.raises(cgff_cli.SceneError) as caught:
         cgff_cli.load(name)
     assert str(caught.value).split("\n") == EXPECTED[name]
@@ -50,7 +44,6 @@ def test_the_reader_reports_exactly(name):
 
 @pytest.mark.parametrize("name", SCENES)
 def test_check_prints_exactly_and_exits_with_3(name):
-    skip_words_of_another_yaml(EXPECTED[name])
     result = CliRunner().invoke(main, ["check", name])
     assert result.exit_code == 3
     assert result.stderr.splitlines() == EXPECTED[name]
@@ -58,10 +51,11 @@ def test_check_prints_exactly_and_exits_with_3(name):
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_without_libyaml_they_are_refused_as_well(name, monkeypatch):
+def test_without_libyaml_the_words_are_the_same(name, monkeypatch):
     monkeypatch.delattr(yaml, "CSafeLoader", raising=False)
-    with pytest.raises(cgff_cli.SceneError):
+    with pytest.raises(cgff_cli.SceneError) as caught:
         cgff_cli.load(name)
+    assert str(caught.value).split("\n") == EXPECTED[name]
 
 
 def test_a_json_scene_on_standard_input_is_located_as_well():
@@ -79,10 +73,10 @@ def test_a_json_scene_on_standard_input_is_located_as_well():
         ("empty.yaml/inside.yaml", "not a directory"),
     ],
 )
-def test_a_file_that_cannot_be_read_is_a_problem_of_its_first_line(path, reason):
+def test_a_file_that_cannot_be_read_is_a_problem_without_a_place(path, reason):
     with pytest.raises(cgff_cli.SceneError) as caught:
         cgff_cli.load(path)
-    assert str(caught.value) == f"{path}:1:1: cannot read the scene: {reason}"
+    assert str(caught.value) == f"{path}: cannot read the scene: {reason}"
 
 
 def test_a_path_no_system_takes_is_a_problem_like_any_other():

@@ -216,9 +216,12 @@ def one(index: int, seed: int, scenes, solve: bool, tally: Counter, show: bool) 
 
 
 def check_problems(error) -> None:
-    """Raise where a problem has no place or spreads over lines."""
+    """Raise where there is no problem, or one in a text has no place or spreads over lines."""
+    if not error.problems:
+        raise AssertionError("refused without a reason")
     for problem in error.problems:
-        if problem.line < 1 or problem.column < 1 or not str(problem).isprintable():
+        placed = problem.path == "<python>" or (problem.line >= 1 and problem.column >= 1)
+        if not placed or not str(problem).isprintable():
             raise AssertionError(f"a problem that is no line: {problem!r}")
 
 

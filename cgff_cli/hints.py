@@ -1,0 +1,37 @@
+"""Did you mean: the names most like one that does not exist."""
+
+from collections.abc import Iterable, Sequence
+
+_POOL = 1000
+NAMED = 3  # more names that are equally near are no hint
+
+
+def nearest(name: str, candidates: Iterable[str]) -> list[str]:
+    """Return those of the candidates that are most like a name, all equally; none where none is near."""
+    from difflib import SequenceMatcher
+
+    pool = [word for word in candidates if abs(len(word) - len(name)) <= 1 + len(name) // 3]
+    if len(pool) > _POOL:
+        pool = [word for word in pool if word[:3] == name[:3]][:_POOL]
+    matcher = SequenceMatcher(None, "", name.lower(), autojunk=False)
+    best: list[str] = []
+    score = 0.6 if len(name) > 2 else 0.5
+    for word in pool:
+        matcher.set_seq1(word.lower())
+        ratio = matcher.ratio() if matcher.quick_ratio() >= score else 0.0
+        if ratio >= score:
+            best = [*best, word] if ratio == score else [word]
+            score = ratio
+    return best
+
+
+def did_you_mean(name: str, candidates: Iterable[str]) -> str:
+    """Return "; did you mean 'x' or 'y'?", or nothing where no candidate is near, or too many are."""
+    near = nearest(name, candidates)
+    return f"; did you mean {either(list(map(repr, near)))}?" if 0 < len(near) <= NAMED else ""
+
+
+def either(words: Sequence[str], joint: str = "or") -> str:
+    """Return words as a list for people: a, b or c."""
+    *others, last = words
+    return f"{', '.join(others)} {joint} {last}" if others else last
