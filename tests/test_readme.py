@@ -122,7 +122,8 @@ def test_one_command_sets_up_and_solves_and_one_sets_up_and_tests():
         ".venv/bin/" + CONSOLE[0].splitlines()[0].removeprefix("$ "),
     ]
     run = tests.split(" && ")
-    assert run[:2] == ["python3 -m venv .venv-test", ".venv-test/bin/python -m pip install -e '.[test]'"]
+    installed = ".venv-test/bin/python -m pip install -c tests/constraints.txt -e '.[test]'"
+    assert run[:2] == ["python3 -m venv .venv-test", installed]
     assert [Path(command.split()[0]).name for command in run[2:]] == ["ruff", "ruff", "mypy", "python"]
     assert run[2:4] == [".venv-test/bin/ruff check .", ".venv-test/bin/ruff format --check ."]
     assert run[5].endswith(" -m pytest")

@@ -11,7 +11,7 @@ from typing import Any
 
 from cgff_cli.scene.brackets import innermost
 from cgff_cli.scene.findings import quoted
-from cgff_cli.scene.located import FormError, mark_of
+from cgff_cli.scene.located import DEPTH, FormError, mark_of
 
 _NOT_TEXT = "[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 
@@ -28,9 +28,15 @@ def yaml_events(text: str) -> Iterator[Any]:
     """Yield the YAML events of a text; raises FormError where it is not YAML."""
     import yaml
 
+    nests = {yaml.MappingStartEvent: 1, yaml.SequenceStartEvent: 1}
+    nests |= {yaml.MappingEndEvent: -1, yaml.SequenceEndEvent: -1}
+    depth, event = 0, None
     try:
-        yield from yaml.parse(text, Loader=_loader())
+        for event in yaml.parse(text, Loader=_loader()):
+            depth += nests.get(type(event), 0)
+            yield event
     except yaml.MarkedYAMLError as error:
+        _refuse_depth(text, depth, event.end_mark.index if event else 0)
         offset, message = _fault(text, error)
         raise FormError(mark_of(text, offset), f"not valid YAML: {message}") from None
     except (yaml.YAMLError, UnicodeEncodeError):
@@ -39,6 +45,17 @@ def yaml_events(text: str) -> Iterator[Any]:
             raise
         message = f"character U+{ord(found.group()):04X} is not allowed in a scene file"
         raise FormError(mark_of(text, found.start()), message) from None
+
+
+def _refuse_depth(text: str, depth: int, offset: int) -> None:
+    """Raise FormError where brackets beyond an offset nest too deep, which a parser may refuse before we do.
+
+    depth: that of the last event, which ends at the offset; the parser has looked ahead of it.
+    """
+    for found in re.compile(r"[\[\]{}]").finditer(text, offset):
+        depth += 1 if found.group() in "[{" else -1
+        if depth > DEPTH:
+            raise FormError(mark_of(text, found.start()), f"nested deeper than {DEPTH} levels")
 
 
 def _loader() -> Any:
