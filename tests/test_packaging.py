@@ -27,4 +27,5 @@ def test_the_tests_install_every_extra_in_exact_versions():
 
 def test_nothing_names_a_place_to_install_from():
     for line in PINNED:
-        assert "://" not in line and not line.startswith("-")
+        assert "://" not in line
+        assert not line.startswith("-")
