@@ -158,6 +158,7 @@ def test_a_bad_scene_is_an_error_with_its_problems():
 
 def test_arrays_and_records_hold_the_same_numbers(prism):
     assert prism.coordinates.tolist() == list(prism.nodes.values())
-    for name, column in (("length", prism.lengths), ("strain", prism.strains), ("slack", prism.slack)):
+    columns = {"length": prism.lengths, "force": prism.forces, "strain": prism.strains, "slack": prism.slack}
+    for name, column in columns.items():
         assert [element[name] for element in prism.elements] == column.tolist()
     assert prism.timing["seconds"] == prism.seconds > 0.0

@@ -11,8 +11,8 @@ from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers.stopping import VANISHED
 from cgff_cli.structure import Structure
 
-STRAINED = 0.1
-"""Strain above which neither elastic law describes a cable or a strut; at 0.1 to rounding it still does."""
+STRAINED = 0.1 * (1.0 + 1e-9)
+"""Strain above which neither elastic law describes a cable or a strut; 0.1 but for rounding is not above."""
 
 UNLIKE = 3.0
 """Factor between start and rest lengths, in the median, above which their units seem to differ."""
@@ -57,9 +57,9 @@ def _units(found: Found) -> str:
         return ""
     off = np.flatnonzero(known)[ratios > UNLIKE if ratio > 1.0 else ratios < 1.0 / UNLIKE]
     what = (
-        f"lengths at the start are {ratio:.3g} times the rest lengths"
+        f"lengths at the start are {_figures(ratio)} times the rest lengths"
         if ratio > 1.0
-        else f"rest lengths are {1.0 / ratio:.3g} times the lengths at the start"
+        else f"rest lengths are {_figures(1.0 / ratio)} times the lengths at the start"
     )
     return (
         f"units: {what} in the median ({_groups(found, off)}); give coordinates and rest lengths in the "
@@ -84,24 +84,23 @@ def _without_force(found: Found) -> str:
 
 
 def _strained(found: Found) -> str:
-    rows = np.flatnonzero(np.abs(found.strains) > STRAINED * (1.0 + 1e-9))
+    rows = np.flatnonzero(np.abs(found.strains) > STRAINED)
     if not len(rows):
         return ""
-    rows = rows[np.argsort(-np.abs(found.strains[rows]), kind="stable")]
+    worst_first = np.argsort(-np.abs(found.strains[rows]).round(9), kind="stable")
+    rows = rows[worst_first]  # equal but for rounding: in scene order
     owners, worst = np.unique(_owners(found.scene)[rows], return_index=True)
     worst = rows[np.sort(worst)]
     named = [_strain_of(found, row) for row in worst[:_NAMED].tolist()]
-    more = f", ... ({len(owners)} groups in all)" if len(owners) > _NAMED else ""
     return (
-        f"strain: {', '.join(named)}{more}, more than a linear law holds for; "
+        f"strain: {', '.join(named)}{_more(len(owners), 'groups')}, more than a linear law holds for; "
         "check EA, rest lengths and loads, unless these are springs"
     )
 
 
 def _strain_of(found: Found, row: int) -> str:
-    structure, names = found.structure, found.scene.node_names
-    ends = f"{quoted(names[structure.start[row]])} to {quoted(names[structure.end[row]])}"
-    return f"{found.strains[row]:.3g} in {_groups(found, np.array([row]))} ({ends})"
+    ends = _nodes(found, found.structure.start[row], found.structure.end[row])
+    return f"{_figures(found.strains[row])} in {_groups(found, np.array([row]))} ({ends})"
 
 
 def _resized(found: Found) -> str:
@@ -110,10 +109,10 @@ def _resized(found: Found) -> str:
     if not 0.0 < first < np.inf or not last < np.inf or first / RESIZED <= last <= first * RESIZED:
         return ""
     farthest = quoted(found.scene.node_names[int(after.argmax())])
-    what = "grew" if last > first else "shrank"
+    what = f"{'grew' if last > first else 'shrank'} to {_figures(last / first)} times"
     return (
-        f"size: the structure {what} to {last / first:.3g} times the size of its start ({farthest} is now the farthest from its centre, "
-        f"{last:.3g}); check rest lengths and supports, or start from a shape nearer to this"
+        f"size: the structure {what} the size of its start ({farthest} is now the farthest from its centre, "
+        f"{_figures(last)}); check rest lengths and supports, or start from a shape nearer to this"
     )
 
 
@@ -121,18 +120,17 @@ def _together(found: Found) -> str:
     start, X = found.structure.coordinates, found.coordinates
     usual = np.maximum(found.structure.rest_lengths, _start_lengths(found.structure))
     near = TOGETHER * float(np.median(usual))
-    along = X @ _ASKEW[: X.shape[1]]
+    along = (X - X[0]) @ _ASKEW[: X.shape[1]]
     order = np.argsort(along, kind="stable")
     close = np.flatnonzero(np.diff(along[order]) <= near)
     pairs = np.sort(np.stack((order[close], order[close + 1]), axis=1), axis=1)
     fell = (_apart(X, pairs) <= near) & (_apart(start, pairs) > near)
     if not fell.any():
         return ""
-    names = found.scene.node_names
-    named = [f"{names[a]} and {names[b]}" for a, b in pairs[fell][np.argsort(pairs[fell][:, 0])].tolist()]
+    names = [_nodes(found, *pair) for pair in np.unique(pairs[fell], axis=0)[:_NAMED].tolist()]
     return (
-        f"fallen together: nodes at one point, {first_few(named)}; make them one node, or hold them apart "
-        "by a strut, a rest length or a support"
+        f"fallen together: nodes {', '.join(names)}{_more(int(fell.sum()), 'pairs')}; make them one node, or "
+        "hold them apart by a strut, a rest length or a support"
     )
 
 
@@ -158,3 +156,17 @@ def _groups(found: Found, rows: np.ndarray) -> str:
     owners = np.unique(_owners(found.scene)[rows]).tolist()
     names = first_few([found.scene.groups[owner].name for owner in owners])
     return f"group{'s' if len(owners) > 1 else ''} {names}"
+
+
+def _nodes(found: Found, begin: int, end: int) -> str:
+    names = found.scene.node_names
+    return f"{quoted(names[begin])} and {quoted(names[end])}"
+
+
+def _more(number: int, kind: str) -> str:
+    return f", ... ({number} {kind} in all)" if number > _NAMED else ""
+
+
+def _figures(value: float) -> str:
+    """Return three figures, 1020 rather than 1.02e+03."""
+    return f"{float(f'{value:.3g}'):g}"

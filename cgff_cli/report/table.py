@@ -73,8 +73,8 @@ def _facts(result: Result) -> Iterator[tuple[str, str]]:
 def _change(result: Result) -> str:
     """Return how far elements and nodes are from where they were."""
     strain, moved = result.max_strain, result.max_displacement
-    words = [] if strain is None else [f"strain at most {strain:.3g}"]
-    words += [] if moved is None else [f"nodes moved by at most {moved:.3g} of its size"]
+    words = [] if strain is None else [f"largest strain {strain:.3g}"]
+    words += [] if moved is None else [f"largest motion {moved:.3g} of its size"]
     return ", ".join(words) or "without size"
 
 
