@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
+from cgff_cli.errors import OptionError
 from cgff_cli.hints import did_you_mean
 
 if TYPE_CHECKING:
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     from cgff_cli.report.result import Result
 
 MOST_DIRECTIONS = 3000
-"""Free directions up to which dense matrices are made because a requirement needs them: about 15 s."""
+"""Free directions up to which dense matrices are made because a requirement needs them: about 20 s."""
 
 _NAMED = 3
 
@@ -34,30 +35,32 @@ class Requirements(click.ParamType):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Return the tuple of Requirement; fails saying what is allowed."""
-        words = [word.strip() for word in value.split(",")]
-        return tuple(self._requirement(word, param, ctx) for word in words)
-
-    def _requirement(
-        self, word: str, param: click.Parameter | None, ctx: click.Context | None
-    ) -> Requirement:
-        name, given, text = word.partition("=")
-        if name == "max-strain":
-            return Requirement(word, "", partial(_beyond, self._limit(text, param, ctx)))
-        if name not in PLAIN:
-            hint = did_you_mean(name, (*PLAIN, "max-strain"))
-            self.fail(f"unknown requirement {name!r}{hint or ';'} allowed: {ALLOWED}", param, ctx)
-        if given:
-            self.fail(f"{name} takes no value, got {word!r}", param, ctx)
-        return Requirement(word, *PLAIN[name])
-
-    def _limit(self, text: str, param: click.Parameter | None, ctx: click.Context | None) -> float:
         try:
-            limit = float(text)
-        except ValueError:
-            limit = -1.0
-        if not 0.0 <= limit < float("inf"):
-            self.fail(f"max-strain must be a number >= 0, as in max-strain=0.02, got {text!r}", param, ctx)
-        return limit
+            return tuple(_requirement(word.strip()) for word in value.split(","))
+        except OptionError as error:
+            self.fail(str(error), param, ctx)
+
+
+def _requirement(word: str) -> Requirement:
+    name, given, text = word.partition("=")
+    if name == "max-strain":
+        return Requirement(word, "", partial(_beyond, _limit(text)))
+    if name not in PLAIN:
+        hint = did_you_mean(name, (*PLAIN, "max-strain")) or ";"
+        raise OptionError(f"unknown requirement {name!r}{hint} allowed: {ALLOWED}")
+    if given:
+        raise OptionError(f"{name} takes no value, got {word!r}")
+    return Requirement(word, *PLAIN[name])
+
+
+def _limit(text: str) -> float:
+    try:
+        limit = float(text)
+    except ValueError:
+        limit = -1.0
+    if not 0.0 <= limit < float("inf"):
+        raise OptionError(f"max-strain must be a number >= 0, as in max-strain=0.02, got {text!r}")
+    return limit
 
 
 def judged_for(result: "Result", requirements: Iterable[Requirement]) -> "Result":
