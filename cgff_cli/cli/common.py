@@ -22,6 +22,7 @@ class ExitCode(IntEnum):
     USAGE = 2
     SCENE = 3
     NOT_CONVERGED = 4
+    UNMET = 5
     INTERRUPTED = 130
     BROKEN_PIPE = 141
     """The reader of standard output has gone: 128 + SIGPIPE, as of any other program in a pipe."""
@@ -29,6 +30,7 @@ class ExitCode(IntEnum):
 
 _SEVERITY = (
     ExitCode.OK,
+    ExitCode.UNMET,
     ExitCode.NOT_CONVERGED,
     ExitCode.SCENE,
     ExitCode.USAGE,

@@ -1,6 +1,7 @@
 """`cgff solve`: form-find each scene, write what was found, tell how it ended."""
 
 import sys
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -8,6 +9,7 @@ import click
 from cgff_cli.cli.common import (
     ExitCode,
     SectionCommand,
+    SectionOption,
     report_error,
     say,
     title,
@@ -18,6 +20,7 @@ from cgff_cli.cli.common import (
 )
 from cgff_cli.cli.options import given_solve_options, output_options, scenes_argument, solve_options
 from cgff_cli.cli.outputs import Flags, Outputs
+from cgff_cli.cli.requirements import ALLOWED, Requirement, Requirements, judged_for, unmet
 
 if TYPE_CHECKING:
     from cgff_cli.report.result import Result
@@ -28,6 +31,7 @@ Examples:
   cgff solve prism.yaml -o prism.json --history prism-history.csv
   cgff solve *.yaml --out-dir results --tolerance 1e-8
   cgff solve net.yaml --format csv > shape.csv
+  cgff solve tower.yaml --require stable,no-slack,max-strain=0.02
   cat prism.yaml | cgff solve - | jq .analysis
 """
 
@@ -36,6 +40,15 @@ Examples:
 @scenes_argument
 @output_options
 @solve_options
+@click.option(
+    "--require",
+    cls=SectionOption,
+    section="Judging",
+    type=Requirements(),
+    metavar="WORDS",
+    multiple=True,
+    help=f"End with exit code 5 where an equilibrium is not all of these: {ALLOWED}.",
+)
 @word_options
 @click.pass_context
 def command(ctx: click.Context, scenes: tuple[str, ...], **values: Any) -> None:
@@ -45,20 +58,23 @@ def command(ctx: click.Context, scenes: tuple[str, ...], **values: Any) -> None:
     scene's own `solver` block. A run that does not converge still writes its last state, and says so.
     """
     options = given_solve_options(values)
+    required = tuple(chain.from_iterable(values["require"]))
     outputs = Outputs(scenes, Flags(*(values[name] for name in Flags._fields)))
     code = ExitCode.OK
     for scene in scenes:
-        code = worst(code, _solve(scene, options, outputs))
+        code = worst(code, _solve(scene, options, outputs, required))
         if code is ExitCode.INTERRUPTED:
             break
     outputs.finish()
     ctx.exit(code)
 
 
-def _solve(scene: str, options: dict[str, Any], outputs: Outputs) -> ExitCode:
+def _solve(
+    scene: str, options: dict[str, Any], outputs: Outputs, required: tuple[Requirement, ...]
+) -> ExitCode:
     """Solve and write one scene; what goes wrong with it is told and stops no other."""
     try:
-        result = _found(scene, options)
+        result = judged_for(_found(scene, options), required)
         outputs.write(scene, result)
     except BrokenPipeError:
         raise
@@ -66,7 +82,7 @@ def _solve(scene: str, options: dict[str, Any], outputs: Outputs) -> ExitCode:
         code = report_error(error)
         outputs.failed(scene, "bad scene" if code is ExitCode.SCENE else "error")
         return code
-    return _tell(scene, result)
+    return _tell(scene, result, required)
 
 
 def _found(scene: str, options: dict[str, Any]) -> "Result":
@@ -80,7 +96,7 @@ def _found(scene: str, options: dict[str, Any]) -> "Result":
         return pipeline.solve(scene, observer=progress, **options)
 
 
-def _tell(scene: str, result: "Result") -> ExitCode:
+def _tell(scene: str, result: "Result", required: tuple[Requirement, ...]) -> ExitCode:
     """Say on standard error what a reader of the exit code alone would miss."""
     name = title(scene)
     for warning in result.warnings:
@@ -91,4 +107,7 @@ def _tell(scene: str, result: "Result") -> ExitCode:
         return ExitCode.INTERRUPTED
     if not result.converged:
         return ExitCode.NOT_CONVERGED
-    return ExitCode.OK
+    lacking = unmet(result, required)
+    for sentence in lacking:
+        say(f"cgff: {name}: {sentence}")
+    return ExitCode.UNMET if lacking else ExitCode.OK

@@ -1,7 +1,6 @@
 """One result as a page for the terminal."""
 
 from collections.abc import Iterator
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -63,11 +62,20 @@ def _facts(result: Result) -> Iterator[tuple[str, str]]:
         f"{number(residual['reference_force'])}",
     )
     yield "energy", number(result.energy)
+    yield "shape", _change(result)
     effort = [count(counts[kind], kind[:-1]) for kind in ("iterations", "evaluations", "factorizations")]
     yield "effort", f"{', '.join(effort)}, {duration(result.seconds)}"
     yield "analysis", analysis_words(result.analysis)
     for warning in result.warnings:
         yield "warning", clean(warning)
+
+
+def _change(result: Result) -> str:
+    """Return how far elements and nodes are from where they were."""
+    strain, moved = result.max_strain, result.max_displacement
+    words = [] if strain is None else [f"largest strain {strain:.3g}"]
+    words += [] if moved is None else [f"largest motion {moved:.3g} of its size"]
+    return ", ".join(words) or "without size"
 
 
 def analysis_words(analysis: dict[str, Any]) -> str:
@@ -146,31 +154,26 @@ def _slack(result: Result) -> list[Column]:
 
 
 def _groups(result: Result) -> Iterator[Text]:
-    groups = result.source.groups
-    cuts = np.cumsum([0, *(len(group.EA) for group in groups)])
-    rows = [slice(a, b) for a, b in pairwise(cuts.tolist())]
-    slack = [int(result.slack[own].sum()) for own in rows]
+    groups = result.groups
+    slack = [entry["slack"] for entry in groups.values()]
     yield from aligned(
         [
-            Column("group", [clean(group.name) for group in groups]),
-            Column("kind", [group.kind for group in groups]),
-            Column("count", [str(len(group.EA)) for group in groups], True),
-            *_spans("length", result.lengths, rows),
-            *_spans("force", result.forces, rows),
-            *_spans("force density", result.force_densities, rows),
+            Column("group", [clean(name) for name in groups]),
+            Column("kind", [group.kind for group in result.source.groups]),
+            Column("count", [str(entry["count"]) for entry in groups.values()], True),
+            *(_spans(groups, name) for name in ("length", "force", "force_density")),
             *([Column("slack", [str(number) for number in slack], True)] if any(slack) else []),
         ]
     )
 
 
-def _spans(title: str, values: np.ndarray, rows: list[slice]) -> list[Column]:
-    """Return one column of `least .. largest` per group, or of one value where they look the same."""
-    ends = [end(values[own]) for own in rows for end in (np.min, np.max)]
-    texts = numbers([float(value) for value in ends])
+def _spans(groups: dict[str, dict[str, Any]], name: str) -> Column:
+    """Return a column of `least .. greatest` per group, or of one value where they look the same."""
+    texts = numbers([end for entry in groups.values() for end in entry[name]])
     width = max(map(len, texts))
     pairs = zip(texts[::2], texts[1::2], strict=True)
     cells = [f"{low:>{width}} .. {high:>{width}}" if low != high else high for low, high in pairs]
-    return [Column(title, cells, True)]
+    return Column(name.replace("_", " "), cells, True)
 
 
 def _names(title: str, names: tuple[str, ...]) -> Column:
