@@ -90,6 +90,13 @@ class Result:
         return self.solution.energy
 
     @property
+    def max_strain(self) -> float | None:
+        """Largest strain of either sign, a slack cable's being 0; None where no element has a rest length."""
+        l, l0 = self.lengths, self.structure.rest_lengths
+        strained = np.abs(np.where(self.slack, 0.0, l - l0)[l0 > 0.0] / l0[l0 > 0.0])
+        return float(strained.max()) if len(strained) else None
+
+    @property
     def counts(self) -> dict[str, int]:
         """Iterations, evaluations, factorizations, restarts."""
         s = self.solution
