@@ -23,7 +23,6 @@ class ExitCode(IntEnum):
     SCENE = 3
     NOT_CONVERGED = 4
     UNMET = 5
-    """The question was answered, and the answer is no."""
     INTERRUPTED = 130
     BROKEN_PIPE = 141
     """The reader of standard output has gone: 128 + SIGPIPE, as of any other program in a pipe."""

@@ -61,7 +61,6 @@ def test_a_bad_scene_outweighs_one_that_did_not_converge(run: Run, bad: str):
 def test_the_worst_exit_code_wins():
     names = ("OK", "UNMET", "NOT_CONVERGED", "SCENE", "ERROR", "INTERRUPTED")
     ranked = [ExitCode[name] for name in names]
-    assert ranked == [0, 5, 4, 3, 1, 130]
     for milder, graver in pairwise(ranked):
         assert worst(milder, graver) is worst(graver, milder) is graver
 
