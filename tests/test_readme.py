@@ -237,7 +237,8 @@ def test_the_size_from_which_matrices_are_sparse_is_that_of_the_program():
 def test_every_flag_named_exists():
     context = click.Context(main)
     commands = [main, *(main.get_command(context, name) for name in COMMANDS)]
-    flags = {flag for command in commands if command for option in command.params for flag in option.opts}
+    options = [option for command in commands if command for option in command.params]
+    flags = {flag for option in options for flag in (*option.opts, *option.secondary_opts)}
     flags |= {"--help", *(flag for row in rows("Measured") for flag in re.findall(r"--[\w-]+", row[-1]))}
     console = [text.partition("\n")[0] for text in CONSOLE]
     named = {flag for text in (TEXT, *console) for flag in re.findall(r"(?<![\w-])--[a-z][a-z0-9-]*", text)}

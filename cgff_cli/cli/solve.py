@@ -18,7 +18,7 @@ from cgff_cli.cli.common import (
     word_options,
     worst,
 )
-from cgff_cli.cli.options import given_solve_options, output_options, scenes_argument, solve_options
+from cgff_cli.cli.options import given_solve_options, output_options, scenes_arguments, solve_options
 from cgff_cli.cli.outputs import Flags, Outputs
 from cgff_cli.cli.requirements import ALLOWED, Requirement, Requirements, judged_for, unmet
 
@@ -29,7 +29,8 @@ EPILOG = """\b
 Examples:
   cgff solve prism.yaml
   cgff solve prism.yaml -o prism.json --history prism-history.csv
-  cgff solve *.yaml --out-dir results --tolerance 1e-8
+  cgff solve *.yaml --out-dir results --summary results.csv
+  find . -name "*.yaml" | cgff solve --files-from - --format jsonl
   cgff solve net.yaml --format csv > shape.csv
   cgff solve tower.yaml --require stable,no-slack,max-strain=0.02
   cat prism.yaml | cgff solve - | jq .analysis
@@ -37,7 +38,7 @@ Examples:
 
 
 @click.command("solve", cls=SectionCommand, epilog=EPILOG)
-@scenes_argument
+@scenes_arguments
 @output_options
 @solve_options
 @click.option(
@@ -74,25 +75,31 @@ def _solve(
 ) -> ExitCode:
     """Solve and write one scene; what goes wrong with it is told and stops no other."""
     try:
-        result = judged_for(_found(scene, options), required)
+        result = judged_for(_found(scene, options, outputs), required)
         outputs.write(scene, result)
-    except BrokenPipeError:
+    except KeyboardInterrupt:  # outside the solver, which keeps what it has reached
+        say("cgff: interrupted")
+        return ExitCode.INTERRUPTED
+    except (BrokenPipeError, click.UsageError):
         raise
     except Exception as error:
         code = report_error(error)
-        outputs.failed(scene, "bad scene" if code is ExitCode.SCENE else "error")
+        outputs.failed(scene, "bad_scene" if code is ExitCode.SCENE else "error")
         return code
     return _tell(scene, result, required)
 
 
-def _found(scene: str, options: dict[str, Any]) -> "Result":
+def _found(path: str, options: dict[str, Any], outputs: Outputs) -> "Result":
     from cgff_cli import pipeline
+    from cgff_cli.scene.read import load
 
+    scene = load(path)
+    outputs.refuse_inputs(scene)
     if wanted("quiet") or not sys.stderr.isatty():
         return pipeline.solve(scene, **options)
     from cgff_cli.report.progress import Progress
 
-    with Progress(title(scene)) as progress:
+    with Progress(title(path)) as progress:
         return pipeline.solve(scene, observer=progress, **options)
 
 

@@ -27,13 +27,14 @@ FEW = 30
 _NAMED = 6  # elements named in a sentence before it says how many more
 
 
-def result_text(result: Result, *, terminal: bool, full: bool = False) -> str:
+def result_text(result: Result, *, terminal: bool, colour: bool | None = None, full: bool = False) -> str:
     """Return the page: how it ended, what was found, nodes and elements.
 
-    terminal : colour it and wrap its sentences at the terminal's width
+    terminal : wrap it at the terminal's width
+    colour   : with escape sequences, see `rendered`
     full     : list every node and element, however many
     """
-    return rendered(_page(result, full), terminal)
+    return rendered(_page(result, full), terminal, colour)
 
 
 def _page(result: Result, full: bool) -> Iterator[RenderableType]:
@@ -130,7 +131,7 @@ def _reactions(result: Result, full: bool) -> Iterator[RenderableType]:
     yield fields([("reactions", "sum " + ", ".join(f"{axis} {number(value)}" for axis, value in total))])
 
 
-def _elements(result: Result) -> Iterator[Text]:
+def _elements(result: Result) -> Iterator[RenderableType]:
     s, names, groups = result.structure, result.source.node_names, result.source.groups
     yield from aligned(
         [
@@ -142,7 +143,8 @@ def _elements(result: Result) -> Iterator[Text]:
             Column("force", numbers(result.forces.tolist()), True),
             Column("force density", numbers(result.force_densities.tolist()), True),
             *_slack(result),
-        ]
+        ],
+        keys=4,
     )
 
 
@@ -153,7 +155,7 @@ def _slack(result: Result) -> list[Column]:
     return [Column("", marks, styles=["yellow"] * len(marks))]
 
 
-def _groups(result: Result) -> Iterator[Text]:
+def _groups(result: Result) -> Iterator[RenderableType]:
     groups = result.groups
     slack = [entry["slack"] for entry in groups.values()]
     yield from aligned(

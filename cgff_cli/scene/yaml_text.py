@@ -28,15 +28,16 @@ def yaml_events(text: str) -> Iterator[Any]:
     """Yield the YAML events of a text; raises FormError where it is not YAML."""
     import yaml
 
-    nests = {yaml.MappingStartEvent: 1, yaml.SequenceStartEvent: 1}
-    nests |= {yaml.MappingEndEvent: -1, yaml.SequenceEndEvent: -1}
+    nests = dict.fromkeys((yaml.MappingStartEvent, yaml.SequenceStartEvent), 1)
+    ends = dict.fromkeys((yaml.MappingEndEvent, yaml.SequenceEndEvent), -1)
+    by_kind: dict[type, int] = {**nests, **ends}
     depth, event = 0, None
     try:
         for event in yaml.parse(text, Loader=_loader()):
-            depth += nests.get(type(event), 0)
+            depth += by_kind.get(type(event), 0)
             yield event
     except yaml.MarkedYAMLError as error:
-        _refuse_depth(text, depth, event.end_mark.index if event else 0)
+        _refuse_depth(text, depth, event.end_mark.index if event and event.end_mark else 0)
         offset, message = _fault(text, error)
         raise FormError(mark_of(text, offset), f"not valid YAML: {message}") from None
     except (yaml.YAMLError, UnicodeEncodeError):

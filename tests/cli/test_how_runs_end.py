@@ -116,7 +116,7 @@ def test_a_traceback_is_shown_on_request(run: Run, monkeypatch: pytest.MonkeyPat
 def test_an_unexpected_error_stops_only_its_scene(run: Run, monkeypatch: pytest.MonkeyPatch):
     solve = pipeline.solve
     monkeypatch.setattr(
-        pipeline, "solve", lambda scene, **_: _broken() if scene == "prism.yaml" else solve(scene)
+        pipeline, "solve", lambda scene, **_: _broken() if scene.path == "prism.yaml" else solve(scene)
     )
     ended = run("solve", "prism.yaml", "bracket.yaml")
     assert ended.exit_code == 1
@@ -176,3 +176,12 @@ def _broken(*_: object, **__: object) -> None:
 
 def _interrupted(*_: object, **__: object) -> None:
     raise KeyboardInterrupt
+
+
+def test_an_interrupt_leaves_the_summary_of_what_was_done(run: Run, monkeypatch: pytest.MonkeyPatch):
+    solve = pipeline.solve
+    monkeypatch.setattr(
+        pipeline, "solve", lambda scene, **_: _interrupted() if scene.path == "bracket.yaml" else solve(scene)
+    )
+    assert run("solve", "prism.yaml", "bracket.yaml", "--summary", "s.csv").exit_code == 130
+    assert Path("s.csv").read_text().splitlines()[1].startswith("prism.yaml,,converged,")
