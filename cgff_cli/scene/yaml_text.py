@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from typing import Any
 
-from cgff_cli.scene.brackets import innermost
+from cgff_cli.scene.brackets import deeper, innermost
 from cgff_cli.scene.findings import quoted
 from cgff_cli.scene.located import DEPTH, FormError, mark_of
 
@@ -28,16 +28,15 @@ def yaml_events(text: str) -> Iterator[Any]:
     """Yield the YAML events of a text; raises FormError where it is not YAML."""
     import yaml
 
-    nests = dict.fromkeys((yaml.MappingStartEvent, yaml.SequenceStartEvent), 1)
-    ends = dict.fromkeys((yaml.MappingEndEvent, yaml.SequenceEndEvent), -1)
-    by_kind: dict[type, int] = {**nests, **ends}
+    nests: dict[Any, int] = {yaml.MappingStartEvent: 1, yaml.SequenceStartEvent: 1}
+    nests |= {yaml.MappingEndEvent: -1, yaml.SequenceEndEvent: -1}
     depth, event = 0, None
     try:
         for event in yaml.parse(text, Loader=_loader()):
-            depth += by_kind.get(type(event), 0)
+            depth += nests.get(type(event), 0)
             yield event
     except yaml.MarkedYAMLError as error:
-        _refuse_depth(text, depth, event.end_mark.index if event and event.end_mark else 0)
+        _refuse_depth(text, depth, event, error)
         offset, message = _fault(text, error)
         raise FormError(mark_of(text, offset), f"not valid YAML: {message}") from None
     except (yaml.YAMLError, UnicodeEncodeError):
@@ -48,15 +47,16 @@ def yaml_events(text: str) -> Iterator[Any]:
         raise FormError(mark_of(text, found.start()), message) from None
 
 
-def _refuse_depth(text: str, depth: int, offset: int) -> None:
-    """Raise FormError where brackets beyond an offset nest too deep, which a parser may refuse before we do.
+def _refuse_depth(text: str, depth: int, last: Any, error: Any) -> None:
+    """Raise FormError where the brackets between the last event and an error nest too deep.
 
-    depth: that of the last event, which ends at the offset; the parser has looked ahead of it.
+    A parser reads ahead of its events and may refuse depth before we see it; depth: that of the last event.
     """
-    for found in re.compile(r"[\[\]{}]").finditer(text, offset):
-        depth += 1 if found.group() in "[{" else -1
-        if depth > DEPTH:
-            raise FormError(mark_of(text, found.start()), f"nested deeper than {DEPTH} levels")
+    start = _offset(text, last and last.end_mark)
+    end = _offset(text, error.context_mark or error.problem_mark)
+    at = deeper(text, start, end + 1, DEPTH - depth)
+    if at is not None:
+        raise FormError(mark_of(text, at), f"nested deeper than {DEPTH} levels")
 
 
 def _loader() -> Any:
