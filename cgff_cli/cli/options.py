@@ -32,7 +32,14 @@ def scenes_arguments(function: Decorated) -> Decorated:
 
 
 def _keep_listed(ctx: click.Context, option: click.Parameter, path: str | None) -> None:
-    ctx.meta[_LISTED] = [] if path is None or ctx.resilient_parsing else _listed(path)
+    if path is not None and not ctx.resilient_parsing:
+        ctx.meta[_LISTED] = path, _listed(path)
+
+
+def list_given() -> str | None:
+    """Return the file of --files-from, None where there is none."""
+    path: str | None = click.get_current_context().meta.get(_LISTED, (None, ()))[0]
+    return path
 
 
 def _listed(path: str) -> list[str]:
@@ -47,9 +54,12 @@ def _listed(path: str) -> list[str]:
 
 def _all_scenes(ctx: click.Context, argument: click.Parameter, given: tuple[str, ...]) -> tuple[str, ...]:
     """Return the scenes given and those listed, where there is one at all."""
-    scenes = (*given, *ctx.meta.get(_LISTED, ()))
+    path, listed = ctx.meta.get(_LISTED, (None, ()))
+    scenes = (*given, *listed)
     if not scenes and not ctx.resilient_parsing:
         raise click.MissingParameter(ctx=ctx, param=argument)
+    if (path, *scenes).count("-") > 1:
+        raise click.UsageError("standard input (-) can be read only once")
     return scenes
 
 

@@ -45,7 +45,7 @@ class Outputs:
             lines of JSON, or nothing. Files silence it, unless --format table or jsonl asks for both.
     """
 
-    def __init__(self, scenes: Sequence[str], flags: Flags):
+    def __init__(self, scenes: Sequence[str], flags: Flags, list_file: str | None = None):
         many = len(scenes) > 1
         _refuse_conflicts(scenes, flags, many)
         self.files = {scene: list(_files(scene, flags)) for scene in scenes}
@@ -53,7 +53,8 @@ class Outputs:
         self.summary = flags.summary
         self.rows: list[dict[str, Any]] = []
         self.targets = self._targets()
-        check_targets(self.targets, files_of(scenes), flags.out_dir)
+        listed = files_among([(list_file, "the list of scenes")])
+        check_targets(self.targets, (*listed, *files_of(scenes)), flags.out_dir)
 
     def _targets(self) -> list[Named]:
         own = [
@@ -94,8 +95,6 @@ class Outputs:
 
 
 def _refuse_conflicts(scenes: Sequence[str], flags: Flags, many: bool) -> None:
-    if scenes.count(STDOUT) > 1:
-        raise click.UsageError("standard input (-) can be read only once")
     for flag, path in (("-o", flags.output), ("--history", flags.history), ("--elements", flags.elements)):
         if many and path is not None:
             raise click.UsageError(f"{flag} takes one scene; use --out-dir DIR for many")

@@ -18,7 +18,13 @@ from cgff_cli.cli.common import (
     word_options,
     worst,
 )
-from cgff_cli.cli.options import given_solve_options, output_options, scenes_arguments, solve_options
+from cgff_cli.cli.options import (
+    given_solve_options,
+    list_given,
+    output_options,
+    scenes_arguments,
+    solve_options,
+)
 from cgff_cli.cli.outputs import Flags, Outputs
 from cgff_cli.cli.requirements import ALLOWED, Requirement, Requirements, judged_for, unmet
 
@@ -60,7 +66,7 @@ def command(ctx: click.Context, scenes: tuple[str, ...], **values: Any) -> None:
     """
     options = given_solve_options(values)
     required = tuple(chain.from_iterable(values["require"]))
-    outputs = Outputs(scenes, Flags(*(values[name] for name in Flags._fields)))
+    outputs = Outputs(scenes, Flags(*(values[name] for name in Flags._fields)), list_given())
     code = ExitCode.OK
     for scene in scenes:
         code = worst(code, _solve(scene, options, outputs, required))

@@ -11,6 +11,8 @@ from cgff_cli.errors import CgffError
 
 STDOUT = "-"
 
+_HELD_OPEN = ("/dev/stdin", "/dev/stdout", "/dev/stderr", "/dev/fd/", "/proc/self/fd/")
+
 # Lone surrogates, which UTF-8 cannot hold, come out as \udXXX: in JSON that is their proper escape.
 _TEXT = {"encoding": "utf-8", "errors": "backslashreplace", "newline": "\n"}
 
@@ -52,7 +54,7 @@ def write_bytes(path: str, data: bytes) -> None:
 
 def is_stream(path: str) -> bool:
     """Tell whether a path names a device or a pipe, such as /dev/stdout or a shell's >(...)."""
-    if path.startswith("/dev/"):
+    if path.startswith(_HELD_OPEN):
         return True  # a redirected /dev/stdout is a regular file to stat, yet the shell holds it open
     try:
         mode = os.stat(path).st_mode

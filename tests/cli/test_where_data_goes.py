@@ -3,6 +3,7 @@
 import csv
 import json
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 
@@ -263,3 +264,27 @@ def test_scenes_can_be_listed_in_a_file(run: Run, command: str):
 
 def test_a_list_without_a_scene_is_wrong_usage(run: Run):
     assert run("solve", "--files-from", "-", stdin="\n").exit_code == 2
+
+
+def test_a_list_of_scenes_is_not_replaced_either(run: Run):
+    Path("list.csv").write_text("prism.yaml\n")
+    ended = run("solve", "--files-from", "list.csv", "--summary", "list.csv")
+    assert ended.exit_code == 2
+    assert "list.csv would be written over the list of scenes" in ended.stderr
+    assert Path("list.csv").read_text() == "prism.yaml\n"
+
+
+@pytest.mark.parametrize("arguments", [("solve", "-", "--files-from", "-"), ("check", "-", "-")])
+def test_standard_input_is_read_once_only(run: Run, arguments: tuple[str, ...]):
+    ended = run(*arguments, stdin="prism.yaml\n")
+    assert (ended.exit_code, ended.stdout) == (2, "")
+    assert "can be read only once" in ended.stderr
+
+
+def test_a_folder_in_memory_is_a_folder_like_any_other(run: Run):
+    with TemporaryDirectory(dir="/dev/shm") as folder:
+        scene, twin = Path(folder, "prism.yaml"), Path(folder, "prism.json")
+        scene.write_bytes(Path("prism.yaml").read_bytes())
+        twin.hardlink_to(scene)
+        assert run("solve", str(scene), "-o", str(twin)).exit_code == 2
+        assert scene.read_bytes() == Path("prism.yaml").read_bytes()
