@@ -28,15 +28,15 @@ def stability(state: State, floor: float) -> dict[str, Any]:
     count: a pendulum is stable hanging and unstable upright. A cable whose force is within rounding (floor)
     of none resists nothing: it may be shortened for free.
     """
-    values, unsure, step = _spectrum(state, floor)
+    values, unsure, steps = _spectrum(state, floor)
     for _ in range(MOST_REFINEMENTS):
         if not len(values) or _is_settled(state, float(values[0])) or state.norm <= floor:
             break
-        there = state.mechanics.at(state.X + step)
+        there = min((state.mechanics.at(state.X + step) for step in steps), key=lambda found: found.norm)
         if not there.norm < state.norm:
             break
         state = there
-        values, unsure, step = _spectrum(state, floor)
+        values, unsure, steps = _spectrum(state, floor)
     if not len(values):
         return {"stable": True, "stability": "stable", "smallest_stiffness": None}
     softest = float(values[0])
@@ -51,14 +51,20 @@ def told(kind: str, state: State, floor: float) -> dict[str, Any]:
     return {"stable": kind == "stable", "stability": kind}
 
 
-def _spectrum(state: State, floor: float) -> tuple[np.ndarray, float, np.ndarray]:
-    """Return stiffnesses apart from idle motions, their doubt, and a Newton step along the sure ones."""
+def _spectrum(state: State, floor: float) -> tuple[np.ndarray, float, list[np.ndarray]]:
+    """Return stiffnesses apart from idle motions, their doubt, and Newton steps.
+
+    The steps go along what has stiffness beyond rounding, and along what has it beyond doubt.
+    """
     blur = 0.0 if state.mechanics.mask is None else state.norm + floor
     values, vectors, unsure = spectrum(state, resists(state, floor), blur)
-    sure = np.abs(values) > unsure
-    along = vectors[:, sure]
-    step = -along @ ((along.T @ state.g.reshape(-1)) / values[sure])
-    return values, unsure, step.reshape(state.X.shape)
+    steps = []
+    for least in unsure:
+        sure = np.abs(values) > least
+        along = vectors[:, sure]
+        step = -along @ ((along.T @ state.g.reshape(-1)) / values[sure])
+        steps.append(step.reshape(state.X.shape))
+    return values, unsure[1], steps
 
 
 def _is_settled(state: State, softest: float) -> bool:
@@ -69,8 +75,9 @@ def _is_settled(state: State, softest: float) -> bool:
 
 def resists(state: State, floor: float) -> np.ndarray:
     """Return (b,) bool: not slack, nor a cable whose force is within rounding of none."""
-    cable = state.mechanics.structure.tension_only
-    return state.taut & ~(cable & (state.t <= VANISHED * floor))
+    m = state.mechanics
+    may_slacken = m.structure.tension_only & (m.l0 > 0.0)
+    return state.taut & ~(may_slacken & (state.t <= VANISHED * floor))
 
 
 def is_super_stable(state: State, threshold: float) -> bool:

@@ -19,9 +19,14 @@ BLUR = 1e-14
 
 def doubt(K: np.ndarray, state: State) -> float:
     """Return the size below which an eigenvalue of K has no sign."""
+    return blurred(K, state) + 4.0 * state.norm / shortest(state)
+
+
+def blurred(K: np.ndarray, state: State) -> float:
+    """Return the share of it that is rounding, and would be left were the forces in balance."""
     m, reach = state.mechanics, float(np.abs(state.X).max(initial=0.0))
-    blurred = m.k * (state.taut & (m.l0 > 0.0)) * (1.0 + (reach + np.abs(state.e)) / state.l)
-    return BLUR * sqrt(len(K)) * norm(K) + 4.0 * (state.norm / shortest(state) + EPS * float(blurred.max()))
+    own = m.k * (state.taut & (m.l0 > 0.0)) * (1.0 + (reach + np.abs(state.e)) / state.l)
+    return BLUR * sqrt(len(K)) * norm(K) + 4.0 * EPS * float(own.max())
 
 
 def shortest(state: State) -> float:
@@ -52,8 +57,10 @@ def steepest_fall(state: State) -> np.ndarray | None:
     return (d * np.sign(d[np.abs(d).argmax()])).reshape(state.X.shape)
 
 
-def spectrum(state: State, taut: np.ndarray, blur: float) -> tuple[np.ndarray, np.ndarray, float]:
-    """Return eigenvalues of K apart from idle rigid motions, their vectors, and the size that has no sign.
+def spectrum(
+    state: State, taut: np.ndarray, blur: float
+) -> tuple[np.ndarray, np.ndarray, tuple[float, float]]:
+    """Return eigenvalues of K apart from idle rigid motions, their vectors, and `blurred` and `doubt`.
 
     (c,) ascending; (d m, c), zero in held directions. taut: (b,) bool, elements that resist; blur: error
     of reactions. No eigenvalues are left where nothing but idle motions can happen.
@@ -61,7 +68,7 @@ def spectrum(state: State, taut: np.ndarray, blur: float) -> tuple[np.ndarray, n
     mechanics = state.mechanics
     dofs, free = mechanics.dofs, mechanics.structure.free.T
     K = state.dense_tangent(taut=taut)[np.ix_(dofs, dofs)]
-    unsure = doubt(K, state)
+    unsure = blurred(K, state), doubt(K, state)
     outer = mechanics.structure.loads.T / mechanics.frame.force
     outer = np.where(free, outer, state.pull().T)
     idle = idle_motions(mechanics.everywhere(state.X), free, outer, blur)

@@ -100,7 +100,8 @@ def balance(body, X, result):
     if left > result.options["tolerance"] * reference * (1.0 + 1e-6) + 8.0 * floor:
         yield "unbalanced", f"{left / reference:.1e} of the forces, {left / floor:.1e} floors"
     total = np.abs(body.loads.sum(axis=0) + sum(np.array(r) for r in result.reactions.values()))
-    if not body.free.all() and total.max() > body.n * (left + 8.0 * floor):
+    rounded = 4.0 * np.finfo(float).eps * float(np.abs(body.loads).max(initial=0.0))
+    if not body.free.all() and total.max() > body.n * (left + 8.0 * floor + rounded):
         yield "reactions", f"off by {total.max():.1e}"
     own, size = body.energy(X)
     if abs(own - result.energy) > 1e-9 * size + 8.0 * floor * np.abs(X).max():
@@ -130,6 +131,9 @@ def standing(body, X, analysis):
     if body.residual(X) > 8.0 * body.floor(X) or body.doubtful(X):
         return
     kind, softest = analysis["stability"], body.softest(X)
+    load = float(np.abs(body.loads).max(initial=0.0))
+    if kind == "neutral" and 0.0 < load <= 1e-9 * body.reference(X):
+        return  # a rotation that so small a load turns is neither idle nor to be told from one that is
     if softest is not None:
         clearly = "stable" if softest > CLEAR else "unstable" if softest < -CLEAR else None
         if (clearly and kind != clearly) or (kind == "unstable" and softest > -1e-14):
