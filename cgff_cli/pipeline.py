@@ -1,5 +1,6 @@
 """Scene in, result out: the walk through the rooms, in order."""
 
+from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
@@ -32,6 +33,13 @@ def solve(scene: Scene | str, *, observer: Observer | None = None, **changes: ob
     seconds = perf_counter() - start
     analysis, cut_short = _analysed(scene, solution, options)
     return Result(scene, structure, options, solution, analysis, seconds, cut_short)
+
+
+def analysed_in_full(result: Result) -> Result:
+    """Return a result again, with the ranks and eigenvalues that a large scene's does without."""
+    options = result.solve_options.merged({"analysis": "always"})
+    analysis, cut_short = _analysed(result.source, result.solution, options)
+    return replace(result, solve_options=options, analysis=analysis, analysis_interrupted=cut_short)
 
 
 def _analysed(scene: Scene, solution: Solution, options: SolveOptions) -> tuple[dict[str, Any], bool]:

@@ -21,8 +21,13 @@ FIELDS = {
     "message": str,
     "residual": {"max", "norm", "relative", "rounding_floor"},
     "energy": float,
+    "max_strain": float,
+    "max_displacement": float,
     "counts": {"iterations", "evaluations", "factorizations", "restarts"},
     "timing": {"seconds"},
+    "supports": dict,
+    "loads": dict,
+    "groups": {"triangles", "verticals", "struts"},
     "nodes": {"n1", "n2", "n3", "n4", "n5", "n6"},
     "elements": list,
     "analysis": {
@@ -101,12 +106,14 @@ def test_a_result_has_every_field_of_the_json_as_an_attribute(prism, field):
 
 def test_elements_hold_what_the_contract_lists(prism):
     keys = ["group", "start", "end", "kind", "EA", "rest_length", "length", "force", "force_density", "slack"]
+    keys.append("strain")
     for element in prism.elements:
         assert list(element) == keys
         stretch = element["length"] - element["rest_length"]
         assert element["force"] == pytest.approx(element["EA"] * stretch, rel=1e-12)  # law paper
         assert element["force_density"] == pytest.approx(element["force"] / element["length"], rel=1e-14)
         assert element["slack"] is False
+        assert element["strain"] == pytest.approx(stretch / element["rest_length"], rel=1e-12)
     assert [element["group"] for element in prism.elements] == ["triangles"] * 6 + ["verticals"] * 3 + [
         "struts"
     ] * 3
@@ -151,6 +158,7 @@ def test_a_bad_scene_is_an_error_with_its_problems():
 
 def test_arrays_and_records_hold_the_same_numbers(prism):
     assert prism.coordinates.tolist() == list(prism.nodes.values())
-    for name, column in (("length", prism.lengths), ("force", prism.forces), ("slack", prism.slack)):
+    columns = {"length": prism.lengths, "force": prism.forces, "strain": prism.strains, "slack": prism.slack}
+    for name, column in columns.items():
         assert [element[name] for element in prism.elements] == column.tolist()
     assert prism.timing["seconds"] == prism.seconds > 0.0

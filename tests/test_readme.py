@@ -17,6 +17,7 @@ from cgff_cli.analysis.equilibrium import SMALL
 from cgff_cli.cli import COMMANDS, main
 from cgff_cli.cli.common import ExitCode
 from cgff_cli.cli.comparing import RIVALS
+from cgff_cli.cli.requirements import ALLOWED, MOST_DIRECTIONS
 from cgff_cli.comparison.runs import EVALUATIONS_PER_ITERATION
 from cgff_cli.mechanics.connectivity import DENSE_ENTRIES
 from cgff_cli.options import OPTIONS
@@ -175,6 +176,8 @@ def test_every_command_is_listed_and_no_other():
 
 def test_the_exit_codes_are_those_of_the_program():
     assert [int(code) for code, _ in rows("Exit codes")] == sorted(ExitCode)
+    assert f"{ALLOWED.removesuffix('X')}0.02" in TEXT
+    assert f"up to {MOST_DIRECTIONS} free directions" in TEXT
 
 
 def test_the_solve_options_are_those_of_the_program():
@@ -204,6 +207,7 @@ def test_the_fields_of_a_result_are_those_of_the_program():
         assert list(getattr(result, field)) == meaning[field]
     assert set(result.residual) == set(meaning["residual"])
     assert list(result.elements[0]) == meaning["elements"]
+    assert list(result.groups["struts"]) == meaning["groups"]
     assert list(COLUMNS) == meaning["history"]
 
 
@@ -233,7 +237,8 @@ def test_the_size_from_which_matrices_are_sparse_is_that_of_the_program():
 def test_every_flag_named_exists():
     context = click.Context(main)
     commands = [main, *(main.get_command(context, name) for name in COMMANDS)]
-    flags = {flag for command in commands if command for option in command.params for flag in option.opts}
+    options = [option for command in commands if command for option in command.params]
+    flags = {flag for option in options for flag in (*option.opts, *option.secondary_opts)}
     flags |= {"--help", *(flag for row in rows("Measured") for flag in re.findall(r"--[\w-]+", row[-1]))}
     console = [text.partition("\n")[0] for text in CONSOLE]
     named = {flag for text in (TEXT, *console) for flag in re.findall(r"(?<![\w-])--[a-z][a-z0-9-]*", text)}

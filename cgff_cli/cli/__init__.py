@@ -6,6 +6,7 @@ file and one line in COMMANDS.
 
 import os
 from importlib import import_module
+from typing import Any
 
 import click
 
@@ -15,7 +16,7 @@ from cgff_cli import __version__
 # each other on a busy machine (a large net took up to twenty times as long) and may round differently.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-from cgff_cli.cli.common import errors_reported, word_options
+from cgff_cli.cli.common import TellingCommand, errors_reported, word_options
 from cgff_cli.hints import did_you_mean
 
 COMMANDS = {
@@ -36,7 +37,8 @@ Examples:
 \b
 Exit codes:
   0 converged         2 wrong usage       4 not converged
-  1 unexpected error  3 bad scene file    130 interrupted
+  1 unexpected error  3 bad scene file    5 the answer is no
+                                          130 interrupted
 
 \b
 Shell completion (likewise zsh_source, fish_source):
@@ -44,7 +46,7 @@ Shell completion (likewise zsh_source, fish_source):
 """
 
 
-class LazyGroup(click.Group):
+class LazyGroup(TellingCommand, click.Group):
     """The commands of COMMANDS, none of them imported before it is called or asked for help."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
@@ -71,6 +73,11 @@ class LazyGroup(click.Group):
         if word not in COMMANDS and not word.startswith("-") and not ctx.resilient_parsing:
             ctx.fail(f"no such command {word!r}; {_meant(word)}")
         return super().resolve_command(ctx, args)
+
+    def make_context(self, *arguments: Any, **more: Any) -> click.Context:
+        """Read the command line; what is wrong with it becomes words and an exit code."""
+        with errors_reported():
+            return super().make_context(*arguments, **more)
 
     def invoke(self, ctx: click.Context) -> object:
         """Run the command; whatever it raises becomes words and an exit code."""

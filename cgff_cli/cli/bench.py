@@ -1,7 +1,7 @@
 """`cgff bench`: many scenes by several methods, a row per case and method, resumed where it stopped."""
 
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -11,17 +11,18 @@ from cgff_cli.cli.common import (
     SectionCommand,
     report_error,
     say,
+    screen,
     wanted,
     word_options,
     worst,
 )
 from cgff_cli.cli.comparing import (
-    check_targets,
     comparing_flags,
     comparing_options,
     form_of,
     wanted_methods,
 )
+from cgff_cli.cli.targets import Named, check_targets, files_among
 from cgff_cli.report.files import STDOUT, is_stream, write_output
 
 if TYPE_CHECKING:
@@ -88,10 +89,10 @@ class Bench:
         self.path = None if values["output"] == STDOUT else values["output"]
         self.form = form_of(values["output_format"], self.path, table_too=True)
         self.table = "table" in (self.form, values["output_format"])
-        check_targets(suites, [self.path])
         methods, self.options = wanted_methods(values, "all"), comparing_options(values)
         self.jobs = jobs_of(cases_of(suites or [standard()]), methods, self.options)
         self.options |= {"methods": methods}
+        check_targets(files_among([(self.path, "the rows")]), _inputs(suites, self.jobs))
         self.asked = _selected(self.jobs, values["only"])
         self.rows: dict[str, list[Row]] = self._kept(values["again"])
 
@@ -111,7 +112,7 @@ class Bench:
         if self.table:
             from cgff_cli.report.bench_text import case_text
 
-            write_output(STDOUT, [case_text(self.rows[job.digest], terminal=sys.stdout.isatty())])
+            write_output(STDOUT, [case_text(self.rows[job.digest], **screen())])
         return _told(job, self.rows[job.digest])
 
     def finish(self) -> None:
@@ -119,7 +120,7 @@ class Bench:
         if self.table and self._found(self.asked):
             from cgff_cli.report.bench_text import summary_text
 
-            write_output(STDOUT, [summary_text(self._found(self.asked), terminal=sys.stdout.isatty())])
+            write_output(STDOUT, [summary_text(self._found(self.asked), **screen())])
         if self.path is not None:
             write_output(self.path, self._text())
         elif not self.table:
@@ -162,6 +163,13 @@ class Bench:
         from cgff_cli.report import json_out
 
         return json_out.pretty(record(self.options, rows).items())
+
+
+def _inputs(suites: Iterable[str], jobs: "Iterable[Job]") -> Iterator[Named]:
+    """Yield the files that a bench is read from."""
+    yield from ((path, f"the file {path}") for path in suites)
+    scenes = (job.scene for job in jobs if job.scene is not None)
+    yield from ((path, f"a file of {scene.name}") for scene in scenes for path in scene.files)
 
 
 def _selected(jobs: "list[Job]", only: tuple[str, ...]) -> "list[Job]":

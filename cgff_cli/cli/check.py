@@ -14,7 +14,7 @@ from cgff_cli.cli.common import (
     word_options,
     worst,
 )
-from cgff_cli.cli.options import scenes_argument
+from cgff_cli.cli.options import scenes_arguments
 from cgff_cli.errors import Problem, SceneError
 from cgff_cli.report.files import STDOUT, write_output
 
@@ -30,15 +30,16 @@ Examples:
 
 
 @click.command("check", cls=SectionCommand, epilog=EPILOG)
-@scenes_argument
+@scenes_arguments
 @click.option(
     "--format",
     "output_format",
     cls=SectionOption,
     section="Output",
-    type=click.Choice(["table", "json"]),
+    type=click.Choice(["table", "json", "jsonl"]),
     default="table",
-    help="table: a line per good scene (default). json: an object per scene, one per line for many.",
+    help="table: a line per good scene (default). json: an object per scene, one per line for many. "
+    "jsonl: one per line always.",
 )
 @word_options
 @click.pass_context
@@ -94,10 +95,10 @@ def _record(path: str, scene: "Scene | None", problems: list[dict[str, Any]]) ->
 
 
 def _write(record: dict[str, Any], output_format: str, many: bool) -> None:
-    if output_format == "json":
+    if output_format != "table":
         from cgff_cli.report import json_out
 
-        layout = json_out.line if many else json_out.pretty
+        layout = json_out.line if many or output_format == "jsonl" else json_out.pretty
         write_output(STDOUT, layout(record.items()))
     elif record["ok"]:
         write_output(STDOUT, [_line(record)])

@@ -5,7 +5,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from enum import IntEnum
-from typing import Any, TypeVar
+from typing import Any, TextIO, TypedDict, TypeVar
 
 import click
 
@@ -22,6 +22,7 @@ class ExitCode(IntEnum):
     USAGE = 2
     SCENE = 3
     NOT_CONVERGED = 4
+    UNMET = 5
     INTERRUPTED = 130
     BROKEN_PIPE = 141
     """The reader of standard output has gone: 128 + SIGPIPE, as of any other program in a pipe."""
@@ -29,6 +30,7 @@ class ExitCode(IntEnum):
 
 _SEVERITY = (
     ExitCode.OK,
+    ExitCode.UNMET,
     ExitCode.NOT_CONVERGED,
     ExitCode.SCENE,
     ExitCode.USAGE,
@@ -54,7 +56,20 @@ class SectionOption(click.Option):
         self.section = section
 
 
-class SectionCommand(click.Command):
+class TellingCommand(click.Command):
+    """A command whose help, where it cannot be written, is an error like that of any other output."""
+
+    def make_context(self, *arguments: Any, **more: Any) -> click.Context:
+        """Read the command line; --help and --version write here."""
+        try:
+            return super().make_context(*arguments, **more)
+        except BrokenPipeError:
+            raise
+        except OSError as error:
+            raise CgffError(f"standard output: cannot be written: {error.strerror}") from error
+
+
+class SectionCommand(TellingCommand):
     """A command whose help lists options section by section."""
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
@@ -70,31 +85,47 @@ class SectionCommand(click.Command):
 
 
 def word_options(function: Decorated) -> Decorated:
-    """Add -q, -v and --traceback; given before or after the command's name, they add up."""
-    for names, help_text, is_count in (
-        (("--traceback",), "Show where in the program an error arose.", False),
-        (("-v", "--verbose"), "More words, and full tables; may be repeated.", True),
-        (("-q", "--quiet"), "No progress and no warnings; errors only.", True),
+    """Add -q, -v, --traceback and --color, given before or after the command's name."""
+    for names, help_text in (
+        (("--traceback",), "Show where in the program an error arose."),
+        (("--color/--no-color",), "Colours or none. Default: on a terminal, unless NO_COLOR is set."),
+        (("-v", "--verbose"), "More words, and full tables."),
+        (("-q", "--quiet"), "No progress and no warnings; errors only."),
     ):
-        kind: dict[str, Any] = {"count": True} if is_count else {"is_flag": True}
-        add = click.option(*names, help=help_text, expose_value=False, callback=_add_words, **kind)
+        add = click.option(
+            *names, help=help_text, is_flag=True, default=None, expose_value=False, callback=_keep_word
+        )
         function = add(function)
     return function
 
 
-def _add_words(ctx: click.Context, option: click.Parameter, value: int) -> None:
-    key = f"cgff.{option.name}"
-    ctx.meta[key] = ctx.meta.get(key, 0) + int(value or 0)
+def _keep_word(ctx: click.Context, option: click.Parameter, value: bool | None) -> None:
+    if value is not None:
+        ctx.meta[f"cgff.{option.name}"] = value
 
 
-def wanted(word: str) -> int:
-    """Return how often "quiet", "verbose" or "traceback" was asked for in this run."""
-    return int(click.get_current_context().meta.get(f"cgff.{word}", 0))
+def wanted(word: str) -> bool | None:
+    """Return whether "quiet", "verbose", "traceback" or "color" was asked for; None: nothing was said."""
+    ctx = click.get_current_context(silent=True)
+    return ctx.meta.get(f"cgff.{word}") if ctx else None
+
+
+class Screen(TypedDict):
+    """What a page is drawn for: a terminal or not, in colour or not, None for the terminal's own habit."""
+
+    terminal: bool
+    colour: bool | None
+
+
+def screen() -> Screen:
+    """Return what standard output is."""
+    return {"terminal": sys.stdout.isatty(), "colour": wanted("color")}
 
 
 def say(text: str) -> None:
-    """Write one line of words to standard error."""
-    click.echo(text, err=True)
+    """Write one line of words to standard error; where nobody can read them, they change nothing."""
+    with suppress(OSError):
+        click.echo(text, err=True)
 
 
 def warn(text: str) -> None:
@@ -131,19 +162,28 @@ def errors_reported() -> Iterator[None]:
     """End the command with words and an exit code where the body raises."""
     try:
         yield
-    except (click.ClickException, click.exceptions.Exit, click.Abort):
-        raise  # click's own, which it reports itself
+    except (click.exceptions.Exit, click.Abort):
+        raise
+    except click.ClickException as error:
+        with suppress(OSError):  # a full disk leaves no words, but the exit code
+            error.show()
+        raise click.exceptions.Exit(error.exit_code) from None
     except KeyboardInterrupt:
         say("cgff: interrupted")
         raise click.exceptions.Exit(ExitCode.INTERRUPTED) from None
     except BrokenPipeError:
-        _discard_stdout()
         raise click.exceptions.Exit(ExitCode.BROKEN_PIPE) from None
     except Exception as error:
         raise click.exceptions.Exit(report_error(error)) from error
+    finally:
+        for stream in (sys.stdout, sys.stderr):
+            _settle(stream)
 
 
-def _discard_stdout() -> None:
-    """Let what is still buffered go nowhere, or Python complains about it at exit."""
-    with suppress(OSError, ValueError):  # where it is no real file, nothing is flushed at exit
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+def _settle(stream: TextIO) -> None:
+    """Let what cannot be written go nowhere, or Python complains about it at exit."""
+    try:
+        stream.flush()
+    except (OSError, ValueError):
+        with suppress(OSError, ValueError):  # where it is no real file, nothing is flushed at exit
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

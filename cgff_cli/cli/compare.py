@@ -2,7 +2,7 @@
 
 import os
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -12,6 +12,7 @@ from cgff_cli.cli.common import (
     SectionCommand,
     report_error,
     say,
+    screen,
     title,
     wanted,
     warn,
@@ -19,12 +20,12 @@ from cgff_cli.cli.common import (
     worst,
 )
 from cgff_cli.cli.comparing import (
-    check_targets,
     comparing_flags,
     comparing_options,
     form_of,
     wanted_methods,
 )
+from cgff_cli.cli.targets import Named, check_targets, files_among, files_of, refuse_inputs
 from cgff_cli.report.files import STDOUT, write_output
 
 if TYPE_CHECKING:
@@ -70,18 +71,19 @@ def command(ctx: click.Context, scenes: tuple[str, ...], **values: Any) -> None:
     fails is a row that says how.
     """
     form, path = form_of(values["output_format"], values["output"]), values["output"]
-    _prepare(scenes, path, values["plot"])
+    given = scenes or _paper()
+    targets = _prepare(given, path, values["plot"])
     found: list[Comparison] = []
     code = ExitCode.OK
-    for scene in scenes or _paper():
-        comparison, one = _compared(scene, values)
+    for scene in given:
+        comparison, one = _compared(scene, values, targets)
         code = worst(code, one)
         if code is ExitCode.INTERRUPTED:
             break
         if comparison is not None:
             found.append(comparison)
             if path in (None, STDOUT) and form != "csv":
-                write_output(STDOUT, _text([comparison], form, many=len(scenes) != 1))
+                write_output(STDOUT, _text([comparison], form, many=len(given) != 1))
     if code is not ExitCode.INTERRUPTED or found:
         _finish(found, form, path, values["plot"])
     ctx.exit(code)
@@ -103,13 +105,17 @@ def _paper() -> list[str]:
     return [shipped(name) for name in PAPER]
 
 
-def _compared(scene: str, values: dict[str, Any]) -> "tuple[Comparison | None, ExitCode]":
+def _compared(
+    scene: str, values: dict[str, Any], targets: Sequence[Named]
+) -> "tuple[Comparison | None, ExitCode]":
     """Return the comparison of one scene, None where there is none, and an exit code."""
     try:
-        comparison = _found(scene, values)
+        comparison = _found(scene, values, targets)
     except KeyboardInterrupt:
         say(f"cgff: {title(scene)}: interrupted")
         return None, ExitCode.INTERRUPTED
+    except click.UsageError:
+        raise
     except Exception as error:
         return None, report_error(error)
     for warning in comparison.source.warnings:
@@ -121,16 +127,20 @@ def _compared(scene: str, values: dict[str, Any]) -> "tuple[Comparison | None, E
     return comparison, ExitCode.NOT_CONVERGED
 
 
-def _found(scene: str, values: dict[str, Any]) -> "Comparison":
+def _found(path: str, values: dict[str, Any], targets: Sequence[Named]) -> "Comparison":
     """Return the comparison of one scene, showing on a terminal which method is at work."""
     from cgff_cli.comparison.compare import compare
+    from cgff_cli.scene.read import load
+
+    scene = load(path)
+    refuse_inputs(targets, ((file, f"a file of {title(path)}") for file in scene.files))
 
     options = comparing_options(values) | {"methods": wanted_methods(values, "fdm")}
     if wanted("quiet") or not sys.stderr.isatty():
         return compare(scene, **options)
     from cgff_cli.report.progress import Progress
 
-    with Progress(title(scene), delay=0.0) as progress:
+    with Progress(title(path), delay=0.0) as progress:
         return compare(
             scene,
             observer=lambda method, run: progress.show(f"{method}, run {run}"),
@@ -138,8 +148,8 @@ def _found(scene: str, values: dict[str, Any]) -> "Comparison":
         )
 
 
-def _prepare(scenes: tuple[str, ...], path: str | None, plot: str | None) -> None:
-    """Refuse what cannot be written before any scene is solved."""
+def _prepare(scenes: Sequence[str], path: str | None, plot: str | None) -> list[Named]:
+    """Return the files to write; what cannot be written is refused before any scene is solved."""
     if scenes.count(STDOUT) > 1:
         raise click.UsageError("standard input (-) can be read only once")
     if plot is not None:
@@ -148,7 +158,9 @@ def _prepare(scenes: tuple[str, ...], path: str | None, plot: str | None) -> Non
         if os.path.splitext(plot)[1].lower() not in PICTURES:
             raise click.UsageError(f"--plot {plot}: the name must end in .png or .svg")
         check_matplotlib()
-    check_targets(scenes, (path, plot))
+    targets = files_among([(path, "the comparison"), (plot, "the picture")])
+    check_targets(targets, files_of(scenes))
+    return targets
 
 
 def _text(found: "list[Comparison]", form: str, many: bool) -> Iterable[str]:
@@ -160,9 +172,7 @@ def _text(found: "list[Comparison]", form: str, many: bool) -> Iterable[str]:
     if form == "table":
         from cgff_cli.report.comparison_text import comparison_text
 
-        pages = [
-            comparison_text(one, terminal=sys.stdout.isatty(), full=wanted("verbose") > 0) for one in found
-        ]
+        pages = [comparison_text(one, **screen(), full=bool(wanted("verbose"))) for one in found]
         return [*pages, "\n"] if many else pages
     from cgff_cli.report import json_out
 

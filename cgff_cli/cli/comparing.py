@@ -9,9 +9,8 @@ import click
 
 from cgff_cli.cli.common import Decorated, SectionOption
 from cgff_cli.cli.options import FORMATS, given_solve_options, solve_option
-from cgff_cli.errors import CgffError
 from cgff_cli.options import OPTIONS
-from cgff_cli.report.files import STDOUT, check_target, is_stream
+from cgff_cli.report.files import STDOUT, is_stream
 
 RIVALS = {
     "fdm": ("fdm", "Form-finding from connectivity and signs alone; with supports, --schek."),
@@ -122,18 +121,3 @@ def form_of(output_format: str | None, path: str | None, *, table_too: bool = Fa
             raise click.UsageError(f"--format {output_format} and -o {path} disagree")
         return form
     return output_format or ("table" if sys.stdout.isatty() and path in (None, STDOUT) else "json")
-
-
-def check_targets(inputs: Sequence[str], targets: Sequence[str | None]) -> None:
-    """Refuse what cannot be written, or would replace another file of this run, before any work."""
-    taken = [os.path.realpath(path) for path in inputs if path != STDOUT]
-    for target in targets:
-        if target is None or target == STDOUT or is_stream(target):
-            continue
-        if os.path.realpath(target) in taken:
-            raise click.UsageError(f"{target} would be written over another file of this run")
-        taken.append(os.path.realpath(target))
-        try:
-            check_target(target)
-        except CgffError as error:
-            raise click.UsageError(str(error)) from error

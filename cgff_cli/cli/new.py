@@ -5,10 +5,11 @@ from typing import Any
 
 import click
 
-from cgff_cli.cli.common import SectionCommand, SectionOption, word_options
-from cgff_cli.errors import CgffError, OptionError
+from cgff_cli.cli.common import SectionCommand, SectionOption, TellingCommand, word_options
+from cgff_cli.cli.targets import check_targets, files_among
+from cgff_cli.errors import OptionError
 from cgff_cli.hints import did_you_mean
-from cgff_cli.report.files import STDOUT, check_target, is_stream, write_output
+from cgff_cli.report.files import STDOUT, is_stream, write_output
 from cgff_cli.scene.families import FAMILIES
 from cgff_cli.scene.new import Made, find, make
 from cgff_cli.scene.parameters import Parameter
@@ -24,7 +25,7 @@ Examples:
 """
 
 
-class FamilyGroup(click.Group):
+class FamilyGroup(TellingCommand, click.Group):
     """The families of FAMILIES, each a command made when it is called or asked for help."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
@@ -166,7 +167,8 @@ def _write(made: Made, output: str, tables: bool | None) -> None:
         raise click.UsageError("--tables needs -o FILE.yaml, beside which the tables are written")
     tabled = not streamed and (made.scene.element_count > MANY if tables is None else tables)
     files = {f"{stem}.nodes.csv": node_table, f"{stem}.elements.csv": element_table} if tabled else {}
-    _check_targets([*files] if streamed else [*files, output])
+    tables_and_scene = [*((path, "a table") for path in files), (output, "the scene")]
+    check_targets(files_among(tables_and_scene), ())
     if not tabled:
         write_output(output, [to_yaml(made.scene, made.header)])
         return
@@ -174,11 +176,3 @@ def _write(made: Made, output: str, tables: bool | None) -> None:
         write_output(path, table(made.scene))
     nodes, elements = map(os.path.basename, files)
     write_output(output, [to_yaml(made.scene, made.header, (nodes, elements))])
-
-
-def _check_targets(paths: list[str]) -> None:
-    try:
-        for path in paths:
-            check_target(path)
-    except CgffError as error:
-        raise click.UsageError(str(error)) from None

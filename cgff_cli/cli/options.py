@@ -1,5 +1,6 @@
 """The flags that several commands take: scenes, solve options, where output goes."""
 
+import os
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -10,10 +11,46 @@ from cgff_cli.errors import OptionError
 from cgff_cli.options import OPTIONS, checked
 
 FORMATS = ("table", "json", "csv")
+_LISTED = "cgff.listed"
 
-scenes_argument = click.argument(
-    "scenes", nargs=-1, required=True, metavar="SCENE...", type=click.Path(allow_dash=True)
-)
+
+def scenes_arguments(function: Decorated) -> Decorated:
+    """Add SCENE... and --files-from; a command gets the scenes of both."""
+    add = click.option(
+        "--files-from",
+        metavar="FILE",
+        type=click.Path(allow_dash=True),
+        expose_value=False,
+        is_eager=True,
+        callback=_keep_listed,
+        help="Also take the scenes that FILE names, one a line; - is standard input.",
+    )
+    listed = add(function)
+    return click.argument(
+        "scenes", nargs=-1, metavar="SCENE...", type=click.Path(allow_dash=True), callback=_all_scenes
+    )(listed)
+
+
+def _keep_listed(ctx: click.Context, option: click.Parameter, path: str | None) -> None:
+    ctx.meta[_LISTED] = [] if path is None or ctx.resilient_parsing else _listed(path)
+
+
+def _listed(path: str) -> list[str]:
+    """Return the lines of a file that are not blank."""
+    try:
+        with click.open_file(path, "rb") as file:
+            lines = file.read().splitlines()
+    except OSError as error:
+        raise click.UsageError(f"--files-from {path}: cannot be read: {error.strerror}") from None
+    return [os.fsdecode(line) for line in lines if line.strip()]
+
+
+def _all_scenes(ctx: click.Context, argument: click.Parameter, given: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the scenes given and those listed, where there is one at all."""
+    scenes = (*given, *ctx.meta.get(_LISTED, ()))
+    if not scenes and not ctx.resilient_parsing:
+        raise click.MissingParameter(ctx=ctx, param=argument)
+    return scenes
 
 
 class SolveNumber(click.ParamType):
@@ -72,7 +109,7 @@ def given_solve_options(values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def output_options(function: Decorated) -> Decorated:
-    """Add --format, -o, --history, --elements and --out-dir."""
+    """Add --format, -o, --history, --elements, --out-dir and --summary."""
     for names, attributes in reversed(_OUTPUT_FLAGS):
         add = click.option(*names, cls=SectionOption, section="Output", **attributes)
         function = add(function)
@@ -83,8 +120,9 @@ _OUTPUT_FLAGS: tuple[tuple[tuple[str, ...], dict[str, Any]], ...] = (
     (
         ("--format", "output_format"),
         {
-            "type": click.Choice(FORMATS),
-            "help": "What to write to standard output. Default: table on a terminal, json in a pipe.",
+            "type": click.Choice([*FORMATS, "jsonl"]),
+            "help": "What to write to standard output; jsonl: an object a line. "
+            "Default: table on a terminal, json in a pipe.",
         },
     ),
     (
@@ -117,6 +155,14 @@ _OUTPUT_FLAGS: tuple[tuple[tuple[str, ...], dict[str, Any]], ...] = (
             "metavar": "DIR",
             "type": click.Path(),
             "help": "Write DIR/NAME.json for each scene NAME.yaml; .csv with --format csv.",
+        },
+    ),
+    (
+        ("--summary",),
+        {
+            "metavar": "FILE",
+            "type": click.Path(),
+            "help": "Also write a row per scene to FILE (.csv or .jsonl).",
         },
     ),
 )

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from cgff_cli.cli.common import wanted
-from cgff_cli.errors import CgffError
-from cgff_cli.report.files import STDOUT, check_target, is_stream, make_folder, write_output
+from cgff_cli.cli.common import screen, title, wanted
+from cgff_cli.cli.targets import Named, check_targets, files_among, files_of, refuse_inputs
+from cgff_cli.report.files import STDOUT, is_stream, write_output
 
 if TYPE_CHECKING:
     from cgff_cli.report.result import Result
+    from cgff_cli.scene.scene import Scene
 
 SUFFIXES = {".json": "json", ".csv": "csv"}
 
@@ -25,6 +26,7 @@ class Flags(NamedTuple):
     history: str | None
     elements: str | None
     out_dir: str | None
+    summary: str | None
 
 
 class File(NamedTuple):
@@ -40,7 +42,7 @@ class Outputs:
 
     files : scene -> the files its result goes to
     shown : what standard output gets: table, json or csv of the one scene, a summary of many,
-            lines of JSON, or nothing. Files silence it, unless --format table asks for both.
+            lines of JSON, or nothing. Files silence it, unless --format table or jsonl asks for both.
     """
 
     def __init__(self, scenes: Sequence[str], flags: Flags):
@@ -48,31 +50,47 @@ class Outputs:
         _refuse_conflicts(scenes, flags, many)
         self.files = {scene: list(_files(scene, flags)) for scene in scenes}
         self.shown = _shown(flags, many)
+        self.summary = flags.summary
         self.rows: list[dict[str, Any]] = []
-        _refuse_overlaps(self.files)
-        _prepare(flags.out_dir, [file.path for own in self.files.values() for file in own])
+        self.targets = self._targets()
+        check_targets(self.targets, files_of(scenes), flags.out_dir)
+
+    def _targets(self) -> list[Named]:
+        own = [
+            (file.path, f"the {file.kind} of {scene}") for scene in self.files for file in self.files[scene]
+        ]
+        return files_among([*own, (self.summary, "the summary")])
+
+    def refuse_inputs(self, scene: "Scene") -> None:
+        """Raise UsageError where an output would replace a file that a scene was read from."""
+        refuse_inputs(self.targets, ((path, f"a file of {scene.path}") for path in scene.files))
 
     def write(self, scene: str, result: "Result") -> None:
         """Write one result wherever the flags say; raises CgffError."""
         for file in self.files[scene]:
             write_output(file.path, _text(result, file.kind, file.form))
-        if self.shown == "summary":
-            from cgff_cli.report.summary import summary_row
-
-            self.rows.append(summary_row(scene, result))
-        elif self.shown:
+        if self.shown not in ("", "summary"):
             write_output(STDOUT, _text(result, "result", self.shown))
+        if self.summary is not None or self.shown == "summary":
+            from cgff_cli.report.rows import summary_row
+
+            self.rows.append(summary_row(title(scene), result))
 
     def failed(self, scene: str, verdict: str) -> None:
-        """Remember a scene that has no result, so that the summary shows it."""
-        self.rows.append({"scene": scene, "verdict": verdict})
+        """Remember a scene that has no result, so that the summaries show it."""
+        self.rows.append({"scene": title(scene), "verdict": verdict})
 
     def finish(self) -> None:
-        """Write what needed all scenes: the summary."""
+        """Write what needed all scenes: the summaries."""
+        if self.summary is not None:
+            from cgff_cli.report.rows import summary_csv, summary_lines
+
+            rows = summary_lines if self.summary.lower().endswith(".jsonl") else summary_csv
+            write_output(self.summary, rows(self.rows))
         if self.shown == "summary":
             from cgff_cli.report.summary import summary_text
 
-            write_output(STDOUT, [summary_text(self.rows, terminal=sys.stdout.isatty())])
+            write_output(STDOUT, [summary_text(self.rows, **screen())])
 
 
 def _refuse_conflicts(scenes: Sequence[str], flags: Flags, many: bool) -> None:
@@ -85,6 +103,9 @@ def _refuse_conflicts(scenes: Sequence[str], flags: Flags, many: bool) -> None:
         raise click.UsageError("give -o or --out-dir, not both")
     if flags.out_dir is not None and len(set(scenes)) < len(scenes):
         raise click.UsageError("a scene is given twice")
+    summary = flags.summary
+    if summary is not None and not (is_stream(summary) or summary.lower().endswith((".csv", ".jsonl"))):
+        raise click.UsageError(f"--summary {summary}: the name must end in .csv or .jsonl")
     if many and flags.output_format == "csv" and flags.out_dir is None:
         raise click.UsageError("--format csv takes one scene; use --out-dir DIR for many")
 
@@ -119,35 +140,12 @@ def _form(flag: str, path: str, of_stream: str) -> str:
 
 def _shown(flags: Flags, many: bool) -> str:
     filed = flags.out_dir is not None or flags.output not in (None, STDOUT)
-    if filed and flags.output_format != "table":
+    if filed and flags.output_format not in ("table", "jsonl"):
         return ""
     form = flags.output_format or ("table" if sys.stdout.isatty() else "json")
+    if form == "jsonl":
+        return "lines"
     return {"table": "summary", "json": "lines"}[form] if many else form
-
-
-def _refuse_overlaps(files: dict[str, list[File]]) -> None:
-    """Refuse two outputs of one name, and an output that would replace a scene."""
-    taken = {os.path.realpath(scene): f"the scene {scene}" for scene in files if scene != STDOUT}
-    for scene, own in files.items():
-        for file in own:
-            place = os.path.realpath(file.path)
-            if is_stream(file.path):
-                continue
-            if place in taken:
-                raise click.UsageError(f"{file.path} would be written over {taken[place]}")
-            taken[place] = f"the {file.kind} of {scene}"
-
-
-def _prepare(out_dir: str | None, paths: Iterable[str]) -> None:
-    """Make the folder asked for and see that every file has one, before hours of solving."""
-    try:
-        if out_dir is not None:
-            make_folder(out_dir)
-        for path in paths:
-            if not is_stream(path):
-                check_target(path)
-    except CgffError as error:
-        raise click.UsageError(str(error)) from error
 
 
 def _text(result: "Result", kind: str, form: str) -> Iterable[str]:
@@ -160,7 +158,7 @@ def _text(result: "Result", kind: str, form: str) -> Iterable[str]:
     if form == "table":
         from cgff_cli.report.table import result_text
 
-        return [result_text(result, terminal=sys.stdout.isatty(), full=wanted("verbose") > 0)]
+        return [result_text(result, **screen(), full=bool(wanted("verbose")))]
     from cgff_cli.report import json_out
 
     if form == "lines":

@@ -29,14 +29,14 @@ _NAMED = 5
 Rows = Sequence[Mapping[str, Any]]
 
 
-def case_text(rows: Rows, *, terminal: bool) -> str:
-    """Return the block of one case: a line per method; terminal: colour it."""
-    return rendered(_case(rows), terminal)
+def case_text(rows: Rows, *, terminal: bool, colour: bool | None = None) -> str:
+    """Return the block of one case: a line per method; terminal: wrap it."""
+    return rendered(_case(rows), terminal, colour)
 
 
-def summary_text(rows: Rows, *, terminal: bool) -> str:
+def summary_text(rows: Rows, *, terminal: bool, colour: bool | None = None) -> str:
     """Return a line per method over all cases, and what is to be told of them."""
-    return rendered(_summary(rows), terminal)
+    return rendered(_summary(rows), terminal, colour)
 
 
 def first_to(rows: Rows, tolerance: str) -> str | None:

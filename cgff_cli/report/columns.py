@@ -21,6 +21,7 @@ ELEMENT_COLUMNS = (
     "force",
     "force_density",
     "slack",
+    "strain",
 )
 
 
@@ -63,4 +64,5 @@ def _element_block(result: Result, number: int, first: int, count: int, offset: 
         "force": result.forces[all_].tolist(),
         "force_density": result.force_densities[all_].tolist(),
         "slack": result.slack[all_].tolist(),
+        "strain": result.strains[all_].tolist(),
     }

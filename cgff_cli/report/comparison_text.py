@@ -30,13 +30,16 @@ ALIGNMENTS = {
 """How a method's shape was laid over CGFF's, in words."""
 
 
-def comparison_text(comparison: Comparison, *, terminal: bool, full: bool = False) -> str:
+def comparison_text(
+    comparison: Comparison, *, terminal: bool, colour: bool | None = None, full: bool = False
+) -> str:
     """Return the page.
 
-    terminal : colour it and wrap its sentences at the terminal's width
+    terminal : wrap it at the terminal's width
+    colour   : with escape sequences, see `rendered`
     full     : list every node and element, however many, and lengths and force densities of all methods
     """
-    return rendered(_page(comparison, full), terminal)
+    return rendered(_page(comparison, full), terminal, colour)
 
 
 def _page(comparison: Comparison, full: bool) -> Iterator[RenderableType]:
@@ -114,9 +117,11 @@ def _coordinates(comparison: Comparison, shown: Sequence[Method]) -> Iterator[Re
 def _members(comparison: Comparison, shown: Sequence[Method], full: bool) -> Iterator[RenderableType]:
     """Yield force densities by group of the methods that have their own; in full, all of every element."""
     if full:
-        yield from aligned([*_labels(comparison, "length"), *_values(shown, "lengths")])
+        yield from aligned([*_labels(comparison, "length"), *_values(shown, "lengths")], keys=3)
         yield Text("")
-        yield from aligned([*_labels(comparison, "force density"), *_values(shown, "force_densities")])
+        yield from aligned(
+            [*_labels(comparison, "force density"), *_values(shown, "force_densities")], keys=3
+        )
         yield Text("")
         return
     own = [method for method in shown if method.name in ("cgff", "fdm", "schek")]

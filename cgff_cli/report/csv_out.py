@@ -45,8 +45,8 @@ def _needs_quotes(block: Block) -> bool:
     """Return whether csv must look at each cell; joining them is three times as fast."""
     if len(block) < 2 or not all(block.values()):
         return True  # an empty cell alone on its line is written as ""
-    texts = (values for values in block.values() if isinstance(values[0], str))
-    return any(_SPECIAL.search("".join(values)) for values in texts)
+    columns = (values for values in block.values() if str in set(map(type, values)))
+    return any(_SPECIAL.search("".join(v for v in values if type(v) is str)) for values in columns)
 
 
 def _lines(rows: Iterable[Iterable[Any]]) -> str:

@@ -16,7 +16,7 @@ from cgff_cli.report.result import FIELDS, Result
 
 _SMALL = 4  # an object of at most this many entries stays on one line
 _BATCH = 1024
-_TABLES = ("nodes", "elements", "reactions", "history")
+_TABLES = ("groups", "nodes", "elements", "reactions", "history")
 
 
 class Rows(NamedTuple):

@@ -1,12 +1,15 @@
 """The one record of a solve: every field of the JSON result, as attributes of the same names."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cached_property
+from math import isfinite
 from typing import Any
 
 import numpy as np
 
 from cgff_cli import TOOL
+from cgff_cli.analysis import measures
+from cgff_cli.analysis.cautions import Found, cautions
 from cgff_cli.analysis.equilibrium import stability_warnings
 from cgff_cli.options import SolveOptions
 from cgff_cli.scene.scene import Scene
@@ -19,7 +22,7 @@ SCHEMA = "cgff-result/1"
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """A solved scene. Arrays: coordinates (n, d); lengths, forces, force_densities, slack (b,)."""
+    """A solved scene. Arrays: coordinates (n, d); lengths, forces, force_densities, strains, slack (b,)."""
 
     source: Scene
     structure: Structure
@@ -66,10 +69,13 @@ class Result:
         message = self.solution.message
         return f"{message}; its analysis was interrupted" if self.analysis_interrupted else message
 
-    @property
+    @cached_property
     def warnings(self) -> tuple[str, ...]:
-        """What deserves a second look: the scene's warnings, the solver's, then what the analysis found."""
-        return self.source.warnings + self.solution.warnings + stability_warnings(self.analysis)
+        """What deserves a second look: in the scene, on the way, in the shape found, in its stability."""
+        arrays = (self.coordinates, self.forces, self.slack, self.strains)
+        found = Found(self.source, self.structure, *arrays, self.residual["rounding_floor"])
+        said = self.source.warnings + self.solution.warnings
+        return said + cautions(found) + stability_warnings(self.analysis)
 
     @property
     def residual(self) -> dict[str, float]:
@@ -90,15 +96,21 @@ class Result:
         return self.solution.energy
 
     @property
+    def max_strain(self) -> float | None:
+        """Largest strain of either sign; None where no element has a rest length."""
+        return measures.max_strain(self.strains, self.structure.rest_lengths)
+
+    @property
+    def max_displacement(self) -> float | None:
+        """Largest distance a node moved from its start, over the structure's size."""
+        s = self.structure
+        return measures.max_displacement(s.coordinates, self.coordinates, s.rest_lengths)
+
+    @property
     def counts(self) -> dict[str, int]:
         """Iterations, evaluations, factorizations, restarts."""
-        s = self.solution
-        return {
-            "iterations": s.iterations,
-            "evaluations": s.evaluations,
-            "factorizations": s.factorizations,
-            "restarts": s.restarts,
-        }
+        names = ("iterations", "evaluations", "factorizations", "restarts")
+        return {name: getattr(self.solution, name) for name in names}
 
     @property
     def timing(self) -> dict[str, float]:
@@ -135,6 +147,36 @@ class Result:
         """(b,) bool, cables shorter than their rest length."""
         return self.solution.state.slack
 
+    @cached_property
+    def strains(self) -> np.ndarray:
+        """(b,) strains (l - l0) / l0; a slack cable 0, NaN where l0 is 0."""
+        return measures.strains(self.lengths, self.structure.rest_lengths, self.slack)
+
+    @property
+    def supports(self) -> dict[str, str]:
+        """Directions held, by node."""
+        return {self.source.node_names[row]: axes for row, axes in sorted(self.source.supports.items())}
+
+    @property
+    def loads(self) -> dict[str, list[float]]:
+        """Forces that act on nodes, by node."""
+        names, loads = self.source.node_names, self.structure.loads
+        return {names[row]: loads[row].tolist() for row in np.flatnonzero(loads.any(axis=1)).tolist()}
+
+    @property
+    def groups(self) -> dict[str, dict[str, Any]]:
+        """For each group its count, its slack elements, least and greatest length, force, force density."""
+        counts = [len(group.EA) for group in self.source.groups]
+        firsts = np.cumsum([0, *counts[:-1]])
+        columns = {
+            "count": counts,
+            "length": measures.spans(self.lengths, firsts),
+            "force": measures.spans(self.forces, firsts),
+            "force_density": measures.spans(self.force_densities, firsts),
+            "slack": np.add.reduceat(self.slack, firsts, dtype=int).tolist(),
+        }
+        return dict(zip((group.name for group in self.source.groups), _records(columns), strict=True))
+
     @property
     def nodes(self) -> dict[str, list[float]]:
         """Final position of every node by name."""
@@ -142,30 +184,22 @@ class Result:
 
     @property
     def elements(self) -> list[dict[str, Any]]:
-        """One record per element, in the scene's element order."""
-        return list(self.element_records())
-
-    def element_records(self) -> Iterator[dict[str, Any]]:
-        """Yield the record of each element; tension > 0."""
-        names, s = self.source.node_names, self.structure
-        columns = (self.lengths, self.forces, self.force_densities, self.slack)
-        numbers = zip(*(column.tolist() for column in columns), strict=True)
-        ends = zip(s.start.tolist(), s.end.tolist(), strict=True)
-        for group in self.source.groups:
-            for EA, rest_length in zip(group.EA.tolist(), group.rest_length.tolist(), strict=True):
-                (begin, end), (length, force, density, slack) = next(ends), next(numbers)
-                yield {
-                    "group": group.name,
-                    "start": names[begin],
-                    "end": names[end],
-                    "kind": group.kind,
-                    "EA": EA,
-                    "rest_length": rest_length,
-                    "length": length,
-                    "force": force,
-                    "force_density": density,
-                    "slack": slack,
-                }
+        """One record per element, in the scene's element order; tension > 0."""
+        names, s, groups = self.source.node_names, self.structure, self.source.groups
+        columns = {
+            "group": [group.name for group in groups for _ in group.EA],
+            "start": [names[row] for row in s.start.tolist()],
+            "end": [names[row] for row in s.end.tolist()],
+            "kind": [group.kind for group in groups for _ in group.EA],
+            "EA": [EA for group in groups for EA in group.EA.tolist()],
+            "rest_length": s.rest_lengths.tolist(),
+            "length": self.lengths.tolist(),
+            "force": self.forces.tolist(),
+            "force_density": self.force_densities.tolist(),
+            "slack": self.slack.tolist(),
+            "strain": [strain if isfinite(strain) else None for strain in self.strains.tolist()],
+        }
+        return _records(columns)
 
     @property
     def reactions(self) -> dict[str, list[float]]:
@@ -182,6 +216,11 @@ class Result:
         return fields
 
 
+def _records(columns: dict[str, list[Any]]) -> list[dict[str, Any]]:
+    """Return the rows of some columns, each by the columns' names."""
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+
+
 FIELDS = (
     "schema",
     "tool",
@@ -193,9 +232,14 @@ FIELDS = (
     "warnings",
     "residual",
     "energy",
+    "max_strain",
+    "max_displacement",
     "counts",
     "timing",
     "analysis",
+    "supports",
+    "loads",
+    "groups",
     "nodes",
     "elements",
     "reactions",

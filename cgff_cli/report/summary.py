@@ -1,28 +1,14 @@
-"""Many results as one table, a row per scene."""
+"""Many results as one table for the terminal, a row per scene."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
-from cgff_cli.report.result import Result
 from cgff_cli.report.terminal import Column, aligned, clean, duration, rendered, verdict_words
 
 
-def summary_row(scene: str, result: Result) -> dict[str, Any]:
-    """Return what the summary needs of a result, which need not be kept for it."""
-    return {
-        "scene": scene,
-        "verdict": result.verdict,
-        "elements": result.source.element_count,
-        "iterations": result.counts["iterations"],
-        "residual": result.residual["relative"],
-        "stability": result.analysis.get("stability"),
-        "seconds": result.seconds,
-    }
-
-
-def summary_text(rows: Iterable[Mapping[str, Any]], *, terminal: bool) -> str:
+def summary_text(rows: Iterable[Mapping[str, Any]], *, terminal: bool, colour: bool | None = None) -> str:
     """Return the summary table; a row of a scene without a result has `scene` and `verdict` only."""
-    return rendered(aligned(list(_columns(list(rows)))), terminal)
+    return rendered(aligned(list(_columns(list(rows)))), terminal, colour)
 
 
 def _columns(rows: list[Mapping[str, Any]]) -> Iterator[Column]:
@@ -30,7 +16,7 @@ def _columns(rows: list[Mapping[str, Any]]) -> Iterator[Column]:
     yield Column("scene", [clean(row["scene"]) for row in rows])
     yield Column("verdict", [words for words, _ in verdicts], styles=[style for _, style in verdicts])
     yield Column("stability", _cells(rows, "stability", str))
-    yield Column("residual", _cells(rows, "residual", "{:.1e}".format), True)
+    yield Column("residual", _cells(rows, "residual_relative", "{:.1e}".format), True)
     yield Column("iterations", _cells(rows, "iterations", str), True)
     yield Column("elements", _cells(rows, "elements", str), True)
     yield Column("time", _cells(rows, "seconds", duration), True)

@@ -1,7 +1,6 @@
 """One result as a page for the terminal."""
 
 from collections.abc import Iterator
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -28,13 +27,14 @@ FEW = 30
 _NAMED = 6  # elements named in a sentence before it says how many more
 
 
-def result_text(result: Result, *, terminal: bool, full: bool = False) -> str:
+def result_text(result: Result, *, terminal: bool, colour: bool | None = None, full: bool = False) -> str:
     """Return the page: how it ended, what was found, nodes and elements.
 
-    terminal : colour it and wrap its sentences at the terminal's width
+    terminal : wrap it at the terminal's width
+    colour   : with escape sequences, see `rendered`
     full     : list every node and element, however many
     """
-    return rendered(_page(result, full), terminal)
+    return rendered(_page(result, full), terminal, colour)
 
 
 def _page(result: Result, full: bool) -> Iterator[RenderableType]:
@@ -63,11 +63,20 @@ def _facts(result: Result) -> Iterator[tuple[str, str]]:
         f"{number(residual['reference_force'])}",
     )
     yield "energy", number(result.energy)
+    yield "shape", _change(result)
     effort = [count(counts[kind], kind[:-1]) for kind in ("iterations", "evaluations", "factorizations")]
     yield "effort", f"{', '.join(effort)}, {duration(result.seconds)}"
     yield "analysis", analysis_words(result.analysis)
     for warning in result.warnings:
         yield "warning", clean(warning)
+
+
+def _change(result: Result) -> str:
+    """Return how far elements and nodes are from where they were."""
+    strain, moved = result.max_strain, result.max_displacement
+    words = [] if strain is None else [f"largest strain {strain:.3g}"]
+    words += [] if moved is None else [f"largest motion {moved:.3g} of its size"]
+    return ", ".join(words) or "without size"
 
 
 def analysis_words(analysis: dict[str, Any]) -> str:
@@ -122,7 +131,7 @@ def _reactions(result: Result, full: bool) -> Iterator[RenderableType]:
     yield fields([("reactions", "sum " + ", ".join(f"{axis} {number(value)}" for axis, value in total))])
 
 
-def _elements(result: Result) -> Iterator[Text]:
+def _elements(result: Result) -> Iterator[RenderableType]:
     s, names, groups = result.structure, result.source.node_names, result.source.groups
     yield from aligned(
         [
@@ -134,7 +143,8 @@ def _elements(result: Result) -> Iterator[Text]:
             Column("force", numbers(result.forces.tolist()), True),
             Column("force density", numbers(result.force_densities.tolist()), True),
             *_slack(result),
-        ]
+        ],
+        keys=4,
     )
 
 
@@ -145,32 +155,27 @@ def _slack(result: Result) -> list[Column]:
     return [Column("", marks, styles=["yellow"] * len(marks))]
 
 
-def _groups(result: Result) -> Iterator[Text]:
-    groups = result.source.groups
-    cuts = np.cumsum([0, *(len(group.EA) for group in groups)])
-    rows = [slice(a, b) for a, b in pairwise(cuts.tolist())]
-    slack = [int(result.slack[own].sum()) for own in rows]
+def _groups(result: Result) -> Iterator[RenderableType]:
+    groups = result.groups
+    slack = [entry["slack"] for entry in groups.values()]
     yield from aligned(
         [
-            Column("group", [clean(group.name) for group in groups]),
-            Column("kind", [group.kind for group in groups]),
-            Column("count", [str(len(group.EA)) for group in groups], True),
-            *_spans("length", result.lengths, rows),
-            *_spans("force", result.forces, rows),
-            *_spans("force density", result.force_densities, rows),
+            Column("group", [clean(name) for name in groups]),
+            Column("kind", [group.kind for group in result.source.groups]),
+            Column("count", [str(entry["count"]) for entry in groups.values()], True),
+            *(_spans(groups, name) for name in ("length", "force", "force_density")),
             *([Column("slack", [str(number) for number in slack], True)] if any(slack) else []),
         ]
     )
 
 
-def _spans(title: str, values: np.ndarray, rows: list[slice]) -> list[Column]:
-    """Return one column of `least .. largest` per group, or of one value where they look the same."""
-    ends = [end(values[own]) for own in rows for end in (np.min, np.max)]
-    texts = numbers([float(value) for value in ends])
+def _spans(groups: dict[str, dict[str, Any]], name: str) -> Column:
+    """Return a column of `least .. greatest` per group, or of one value where they look the same."""
+    texts = numbers([end for entry in groups.values() for end in entry[name]])
     width = max(map(len, texts))
     pairs = zip(texts[::2], texts[1::2], strict=True)
     cells = [f"{low:>{width}} .. {high:>{width}}" if low != high else high for low, high in pairs]
-    return [Column(title, cells, True)]
+    return Column(name.replace("_", " "), cells, True)
 
 
 def _names(title: str, names: tuple[str, ...]) -> Column:

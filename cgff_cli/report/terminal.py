@@ -2,14 +2,15 @@
 
 import io
 import math
+import os
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import islice
+from itertools import islice, repeat
 from typing import NamedTuple
 
 from rich.cells import cell_len
-from rich.console import Console, RenderableType
+from rich.console import Console, ConsoleOptions, RenderableType
 from rich.padding import Padding
-from rich.table import Table
+from rich.table import Table as Grid
 from rich.text import Text
 
 VERDICTS = {
@@ -20,7 +21,7 @@ VERDICTS = {
     "max_iterations": ("iteration limit", "red"),
     "diverged": ("diverged", "red"),
     "interrupted": ("interrupted", "yellow"),
-    "bad scene": ("bad scene", "red"),
+    "bad_scene": ("bad scene", "red"),
     "error": ("error", "red"),
     "other_equilibrium": ("another equilibrium", "yellow"),
     "gave_up": ("gave up", "red"),
@@ -44,27 +45,79 @@ class Column(NamedTuple):
     styles: Sequence[str] = ()
 
 
-def rendered(parts: Iterable[RenderableType], terminal: bool) -> str:
-    """Return styled text as one string, coloured for a terminal unless NO_COLOR is set.
+def rendered(parts: Iterable[RenderableType], terminal: bool, colour: bool | None = None) -> str:
+    """Return styled text as one string; words and tables wrap at a terminal's width, and nowhere else.
 
-    Words wrap at the terminal's width, and nowhere else; text marked `no_wrap` never does. Parts hold
-    no plain strings, in which rich would look for markup.
+    colour : whether to write escape sequences; None: for a terminal that can, unless NO_COLOR is set
+
+    Parts hold no plain strings, in which rich would look for markup.
     """
+    if colour is None:
+        colour = terminal and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
     out = io.StringIO()
-    console = Console(file=out, force_terminal=True if terminal else None, width=None if terminal else _WIDE)
+    console = Console(
+        file=out,
+        force_terminal=colour,
+        color_system="standard" if colour else None,
+        no_color=not colour,
+        width=None if terminal else _WIDE,
+    )
     for part in parts:
-        console.print(part, soft_wrap=isinstance(part, Text) and bool(part.no_wrap))
+        console.print(part, crop=False)
     return "".join(f"{line.rstrip(' ')}\n" for line in out.getvalue().splitlines())
 
 
-def aligned(columns: Sequence[Column]) -> Iterator[Text]:
-    """Yield a table: its titles, then its rows, every column as wide as its widest cell."""
-    titles, *rows = zip(*(_padded(column) for column in columns), strict=True)
-    yield Text("  " + "  ".join(titles).rstrip(), style="bold", no_wrap=True)
-    styles = [column.styles or [""] * len(rows) for column in columns]
-    lines = map(_line, rows, zip(*styles, strict=True))
+class Table:
+    """Columns as wide as their widest cells; where a screen is too narrow, some below the others.
+
+    keys : how many columns name a row, and stand before every block of the others
+    """
+
+    def __init__(self, columns: Sequence[Column], keys: int):
+        self.columns = [_padded(column) for column in columns]
+        self.keys = keys
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[Text]:
+        """Yield the blocks, an empty line between them."""
+        for number, block in enumerate(_blocks(self.columns, self.keys, options.max_width)):
+            if number:
+                yield Text("")
+            yield from _block(block)
+
+
+def aligned(columns: Sequence[Column], keys: int = 1) -> Iterator[Table]:
+    """Yield a table: its titles, then its rows; its first columns, the keys, name the rows."""
+    yield Table(columns, keys)
+
+
+def _blocks(columns: Sequence[Column], keys: int, width: int) -> Iterator[list[Column]]:
+    """Yield the keys with as many of the other columns as fit, until all have been shown."""
+    named = list(columns[:keys])
+    block, used = named, _screen_width(named)
+    for column in columns[keys:]:
+        wide = _screen_width([column])
+        if len(block) > keys and used + wide > width:
+            yield block
+            block, used = named, _screen_width(named)
+        block, used = [*block, column], used + wide
+    yield block
+
+
+def _screen_width(columns: Sequence[Column]) -> int:
+    return sum(2 + cell_len(column.title) for column in columns)
+
+
+def _block(columns: Sequence[Column]) -> Iterator[Text]:
+    yield _unwrapped("  " + "  ".join(column.title for column in columns).rstrip(), style="bold")
+    rows = zip(*(column.cells for column in columns), strict=True)
+    styles = [column.styles or repeat("") for column in columns]
+    lines = map(_line, rows, zip(*styles, strict=False))
     while batch := list(islice(lines, _BATCH)):
-        yield Text("\n", no_wrap=True).join(batch)
+        yield _unwrapped("\n").join(batch)
+
+
+def _unwrapped(text: str, style: str = "") -> Text:
+    return Text(text, style=style, no_wrap=True, overflow="ignore")
 
 
 def _line(cells: Sequence[str], styles: Sequence[str]) -> Text:
@@ -75,17 +128,20 @@ def _line(cells: Sequence[str], styles: Sequence[str]) -> Text:
     return text
 
 
-def _padded(column: Column) -> list[str]:
-    """Return title and cells, all of one width on the screen."""
+def _padded(column: Column) -> Column:
+    """Return a column whose title and cells are all of one width on the screen."""
     cells = (column.title, *column.cells)
     widths = [cell_len(cell) for cell in cells]
     blanks = [" " * (max(widths) - width) for width in widths]
-    return [blank + cell if column.right else cell + blank for cell, blank in zip(cells, blanks, strict=True)]
+    title, *padded = (
+        blank + cell if column.right else cell + blank for cell, blank in zip(cells, blanks, strict=True)
+    )
+    return column._replace(title=title, cells=padded)
 
 
 def fields(rows: Iterable[tuple[str, str]]) -> Padding:
     """Return `name  words` lines, the names in one column and long words wrapped beside it."""
-    grid = Table.grid(padding=(0, 2, 0, 0))
+    grid = Grid.grid(padding=(0, 2, 0, 0))
     grid.add_column(style="dim", no_wrap=True)
     grid.add_column()
     for row in rows:

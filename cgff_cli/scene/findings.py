@@ -48,6 +48,7 @@ class Findings:
     """Problems found so far, in the scene file itself and in the files it refers to.
 
     faults : (place, message) of what is wrong with the form of the file
+    tables : paths of the files it refers to
     """
 
     def __init__(self, faults: Sequence[tuple[Mark, str]] = ()) -> None:
@@ -55,6 +56,7 @@ class Findings:
         self._items: list[_Item] = []
         self._hints: dict[tuple[str, int], str] = {}
         self.other_files: list[OtherFile] = []
+        self.tables: list[str] = []
 
     def add(self, where: Where, message: str, at_key: bool = False, alike: Hashable = None) -> None:
         """Record a problem of the value at `where`; `at_key` points at its key instead.

@@ -4,14 +4,15 @@ import gc
 import os
 import sys
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from dataclasses import replace
 from typing import Any
 
 from cgff_cli.errors import Problem, SceneError
 from cgff_cli.scene.findings import NOWHERE, Findings
 from cgff_cli.scene.located import Document, mark_of
 from cgff_cli.scene.scene import Scene
-from cgff_cli.scene.schema import read_scene
+from cgff_cli.scene.schema import is_table, read_scene
 from cgff_cli.scene.text import decoded, read_text, reason
 from cgff_cli.scene.yaml_text import yaml_events
 
@@ -30,8 +31,39 @@ def load(path: str | os.PathLike[str]) -> Scene:
             return loads(decoded(sys.stdin.buffer.read(), STDIN), STDIN)
         text = read_text(shown)
     except (OSError, ValueError) as error:
-        raise SceneError([Problem(shown, *NOWHERE, f"cannot read the scene: {reason(error)}")]) from None
-    return loads(text, shown, os.path.dirname(shown))
+        name = STDIN if shown == "-" else shown
+        raise SceneError([Problem(name, *NOWHERE, f"cannot read the scene: {reason(error)}")]) from None
+    scene = loads(text, shown, os.path.dirname(shown))
+    return replace(scene, files=(shown, *scene.files))
+
+
+def tables_of(path: str) -> list[str]:
+    """Return the CSV files that a scene names, reading none of them; none where it cannot be read itself."""
+    try:
+        text = read_text(path)
+    except (OSError, ValueError, SceneError):
+        return []
+    if ".csv" not in text.lower():
+        return []
+    named = _named(_value(text))
+    return [os.path.join(os.path.dirname(path), name) for name in named]
+
+
+def _value(text: str) -> object:
+    from cgff_cli.scene import json_text
+
+    if text.lstrip()[:1] == "{":
+        with suppress(ValueError):
+            return json_text.values(text)
+    return Document(yaml_events(text)).value
+
+
+def _named(value: object) -> Iterator[str]:
+    """Yield the tables named in a mapping by any key but `name`, or in a mapping inside it."""
+    for key, entry in value.items() if isinstance(value, dict) else ():
+        if is_table(entry) and key != "name":
+            yield str(entry)
+        yield from _named(entry)
 
 
 @contextmanager

@@ -34,6 +34,7 @@ class Scene:
     supports    : node row -> axes held fixed, a subset of "xyz" in that order
     loads       : node row -> (d,) nodal force
     solver      : solve options asked for in the file
+    files       : paths it was read from, its tables among them
     """
 
     name: str
@@ -46,6 +47,7 @@ class Scene:
     solver: Mapping[str, object] = field(default_factory=dict)
     path: str = "<python>"
     warnings: tuple[str, ...] = ()
+    files: tuple[str, ...] = ()
 
     @property
     def dimension(self) -> int:

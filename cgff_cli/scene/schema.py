@@ -53,7 +53,8 @@ def read_scene(findings: Findings, value: object, path: str, base: str) -> Scene
     labels = physics.component_labels(len(names), pairs)
     physics.check_net_loads(findings, names, labels, supports, loads)
     said = physics.warnings(names, points.coordinates.shape[1], groups, labels, supports)
-    return Scene(name, law, names, points.coordinates, tuple(groups), supports, loads, solver, path, said)
+    X, files = points.coordinates, tuple(findings.tables)
+    return Scene(name, law, names, X, tuple(groups), supports, loads, solver, path, said, files)
 
 
 def _name(findings: Findings, value: object, path: str) -> str:
@@ -73,7 +74,7 @@ def _nodes(findings: Findings, values: dict[str, Any], base: str) -> Nodes | Non
     if "nodes" not in values:
         return None
     value = values["nodes"]
-    if not _is_table(value):
+    if not is_table(value):
         return nodes.read_nodes(findings, value)
     from cgff_cli.scene import tables
 
@@ -87,7 +88,7 @@ def _elements(
     if "elements" not in values:
         return None
     value = values["elements"]
-    if not _is_table(value):
+    if not is_table(value):
         return elements.read_elements(findings, value, points, law)
     from cgff_cli.scene import tables
 
@@ -95,7 +96,8 @@ def _elements(
     return tables.read_elements(findings, table, points, law) if table else None
 
 
-def _is_table(value: object) -> bool:
+def is_table(value: object) -> bool:
+    """Tell whether a value names a CSV file."""
     return isinstance(value, str) and os.path.splitext(value)[1].lower() == ".csv"
 
 

@@ -85,6 +85,7 @@ class _Columns:
 def open_table(findings: Findings, where: Where, file: str, base: str) -> Table | None:
     """Return the table in a file whose path is relative to `base`, or record why it cannot be read."""
     path = os.path.join(base, file)
+    findings.tables.append(path)
     try:
         text = read_text(path)
     except SceneError as error:

@@ -1,5 +1,7 @@
 """Bytes -> text, and why a file could not be read."""
 
+from errno import EBADF
+
 from cgff_cli.errors import Problem, SceneError
 
 _BOM = b"\xef\xbb\xbf"
@@ -29,5 +31,7 @@ def reason(error: Exception) -> str:
         return "no such file"
     if isinstance(error, IsADirectoryError):
         return "it is a directory"
+    if isinstance(error, OSError) and error.errno == EBADF:
+        return "it is closed"
     text = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
     return text[:1].lower() + text[1:]

@@ -28,7 +28,7 @@ def yaml_events(text: str) -> Iterator[Any]:
     """Yield the YAML events of a text; raises FormError where it is not YAML."""
     import yaml
 
-    nests: dict[type, int] = {yaml.MappingStartEvent: 1, yaml.SequenceStartEvent: 1}
+    nests: dict[Any, int] = {yaml.MappingStartEvent: 1, yaml.SequenceStartEvent: 1}
     nests |= {yaml.MappingEndEvent: -1, yaml.SequenceEndEvent: -1}
     depth, event = 0, None
     try:

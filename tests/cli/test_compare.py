@@ -11,6 +11,7 @@ import pytest
 from cgff_cli.comparison import compare
 from cgff_cli.report import plots
 from cgff_cli.rivals.registry import REGISTRY
+from cgff_cli.scene.scene import Scene
 from tests.cli.conftest import STRUCTURES, Run
 
 ONCE = ("--repeat", "1")
@@ -130,7 +131,6 @@ def test_cgff_without_an_answer_is_exit_code_4(run: Run):
     [
         (("-o", "out.txt"), "the name must end in .json"),
         (("-o", "out.csv", "--format", "json"), "--format json and -o out.csv disagree"),
-        (("-o", "nowhere/out.json"), "there is no folder"),
         (("--plot", "prism.yaml"), "the name must end in .png or .svg"),
         (("--repeat", "0"), "--repeat"),
         (("--newton",), "No such option"),
@@ -170,8 +170,8 @@ def test_a_picture_is_written(run: Run, name: str, begins: bytes):
 def test_ctrl_c_leaves_the_scenes_already_compared(run: Run, monkeypatch: pytest.MonkeyPatch):
     real = compare.compare
 
-    def interrupted(scene: str, **options: object):
-        if scene == "bracket.yaml":
+    def interrupted(scene: Scene, **options: object):
+        if scene.path == "bracket.yaml":
             raise KeyboardInterrupt
         return real(scene, **options)
 

@@ -59,7 +59,8 @@ def test_a_bad_scene_outweighs_one_that_did_not_converge(run: Run, bad: str):
 
 
 def test_the_worst_exit_code_wins():
-    ranked = [ExitCode.OK, ExitCode.NOT_CONVERGED, ExitCode.SCENE, ExitCode.ERROR, ExitCode.INTERRUPTED]
+    names = ("OK", "UNMET", "NOT_CONVERGED", "SCENE", "ERROR", "INTERRUPTED")
+    ranked = [ExitCode[name] for name in names]
     for milder, graver in pairwise(ranked):
         assert worst(milder, graver) is worst(graver, milder) is graver
 
@@ -115,7 +116,7 @@ def test_a_traceback_is_shown_on_request(run: Run, monkeypatch: pytest.MonkeyPat
 def test_an_unexpected_error_stops_only_its_scene(run: Run, monkeypatch: pytest.MonkeyPatch):
     solve = pipeline.solve
     monkeypatch.setattr(
-        pipeline, "solve", lambda scene, **_: _broken() if scene == "prism.yaml" else solve(scene)
+        pipeline, "solve", lambda scene, **_: _broken() if scene.path == "prism.yaml" else solve(scene)
     )
     ended = run("solve", "prism.yaml", "bracket.yaml")
     assert ended.exit_code == 1
@@ -175,3 +176,12 @@ def _broken(*_: object, **__: object) -> None:
 
 def _interrupted(*_: object, **__: object) -> None:
     raise KeyboardInterrupt
+
+
+def test_an_interrupt_leaves_the_summary_of_what_was_done(run: Run, monkeypatch: pytest.MonkeyPatch):
+    solve = pipeline.solve
+    monkeypatch.setattr(
+        pipeline, "solve", lambda scene, **_: _interrupted() if scene.path == "bracket.yaml" else solve(scene)
+    )
+    assert run("solve", "prism.yaml", "bracket.yaml", "--summary", "s.csv").exit_code == 130
+    assert Path("s.csv").read_text().splitlines()[1].startswith("prism.yaml,,converged,")

@@ -130,7 +130,13 @@ def test_a_terminal_gets_a_table_in_colour_unless_no_color_is_set():
     assert b"\x1b[" in _on_terminal([*CGFF, "solve", PRISM], ENVIRONMENT)
     plain = _on_terminal([*CGFF, "solve", PRISM], {**ENVIRONMENT, "NO_COLOR": "1"})
     assert b"Triangular prism" in plain
-    assert b"\x1b[3" not in plain
+    assert b"\x1b" not in plain
+
+
+def test_colour_can_be_asked_for_and_refused():
+    assert b"\x1b" not in _on_terminal([*CGFF, "solve", PRISM, "--no-color"], ENVIRONMENT)
+    asked = [*CGFF, "--color", "solve", PRISM, "--format", "table"]
+    assert b"\x1b[1;32mconverged" in subprocess.run(asked, capture_output=True, env=ENVIRONMENT).stdout
 
 
 SLOWLY = ["--objective", "residual", "--preconditioner", "none", "--max-iterations", "1e15"]

@@ -107,9 +107,10 @@ def test_many_scenes_are_rows_of_one_table(run: Run, bad: str):
         (("prism.yaml", "-o", "x.json", "--out-dir", "d"), "-o or --out-dir, not both"),
         (("prism.yaml", "-o", "x.json", "--format", "csv"), "--format csv and -o x.json disagree"),
         (("prism.yaml", "-o", "x.csv", "--history", "x.csv"), "written over the result of prism.yaml"),
-        (("prism.yaml", "-o", "no/such/x.json"), "there is no folder"),
         (("prism.yaml", "--history", "h.txt"), "--history h.txt: the name must end in .json"),
-        (("prism.yaml", "--out-dir", "prism.yaml"), "cannot be made a folder"),
+        (("prism.yaml", "--summary", "s.json"), "the name must end in .csv or .jsonl"),
+        (("prism.yaml", "-o", "x.csv", "--summary", "x.csv"), "written over the result of prism.yaml"),
+        (("--files-from", "nowhere"), "--files-from nowhere: cannot be read: No such file"),
         (("prism.yaml", "prism.yaml", "--out-dir", "d"), "a scene is given twice"),
         (("-", "-"), "standard input (-) can be read only once"),
         ((), "Missing argument"),
@@ -138,3 +139,127 @@ def test_a_result_never_replaces_a_scene(run: Run):
     assert ended.exit_code == 2
     assert "prism.json would be written over the scene prism.json" in ended.stderr
     assert Path("prism.json").read_text() == "{}"
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("solve", "prism.yaml", "-o", "no/x.json"),
+        ("solve", "prism.yaml", "--summary", "no/x.csv"),
+        ("solve", "prism.yaml", "--out-dir", "prism.yaml"),
+        ("compare", "prism.yaml", "-o", "no/x.json"),
+        ("bench", "prism.yaml", "-o", "no/x.json"),
+        ("new", "prism", "-o", "no/x.yaml"),
+        ("new", "prism", "--tables", "-o", "no/x.yaml"),
+    ],
+)
+def test_what_the_system_refuses_to_write_is_1_before_any_work(run: Run, arguments: tuple[str, ...]):
+    before = sorted(Path().iterdir())
+    ended = run(*arguments)
+    assert (ended.exit_code, ended.stdout) == (1, "")
+    assert "cannot be" in ended.stderr
+    assert sorted(Path().iterdir()) == before
+
+
+TABLED = ("net.yaml", "net.nodes.csv", "net.elements.csv")
+"""A scene with its tables."""
+
+
+@pytest.fixture
+def tabled(run: Run) -> dict[str, bytes]:
+    """Write a scene with tables and return its files."""
+    assert run("new", "net", "--side", "4", "--tables", "-o", "net.yaml").exit_code == 0
+    return {name: Path(name).read_bytes() for name in TABLED}
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("solve", "net.yaml", "-o", "net.nodes.csv"),
+        ("solve", "net.yaml", "--elements", "net.elements.csv"),
+        ("solve", "net.yaml", "--history", "./net.nodes.csv"),
+        ("solve", "net.yaml", "--summary", "net.nodes.csv"),
+        ("solve", "net.yaml", "-o", "hard.json"),
+        ("solve", "net.yaml", "-o", "soft.csv"),
+        ("solve", "prism.yaml", "net.yaml", "--summary", "soft.csv"),
+        ("solve", "net.nodes.yaml", "net.yaml", "--format", "csv", "--out-dir", "."),
+        ("compare", "net.yaml", "--fdm", "-o", "net.nodes.csv"),
+        ("compare", "net.yaml", "--fdm", "--plot", "soft.png"),
+        ("bench", "net.yaml", "--fdm", "-o", "net.nodes.csv"),
+        ("bench", "net.yaml", "--fdm", "-o", "hard.json"),
+    ],
+)
+def test_no_output_replaces_a_file_that_a_scene_is_read_from(
+    run: Run, tabled: dict[str, bytes], arguments: tuple[str, ...]
+):
+    Path("hard.json").hardlink_to("net.yaml")
+    Path("soft.csv").symlink_to("net.nodes.csv")
+    Path("soft.png").symlink_to("net.elements.csv")
+    Path("net.nodes.yaml").write_bytes(Path("prism.yaml").read_bytes())
+    ended = run(*arguments)
+    assert (ended.exit_code, ended.stdout) == (2, "")
+    assert "would be written over" in ended.stderr
+    assert {name: Path(name).read_bytes() for name in TABLED} == tabled
+
+
+def test_the_tables_of_standard_input_are_not_replaced_either(run: Run, tabled: dict[str, bytes]):
+    ended = run("solve", "-", "-o", "net.nodes.csv", stdin=Path("net.yaml").read_text())
+    assert ended.exit_code == 2
+    assert "net.nodes.csv would be written over a file of <stdin>" in ended.stderr
+    assert Path("net.nodes.csv").read_bytes() == tabled["net.nodes.csv"]
+
+
+def test_json_lines_are_asked_for_by_name(run: Run):
+    for scenes in (["prism.yaml"], ["prism.yaml", "bracket.yaml"]):
+        lines = run("solve", *scenes, "--format", "jsonl").stdout.splitlines()
+        assert [json.loads(line)["scene"]["path"] for line in lines] == scenes
+    assert json.loads(run("check", "prism.yaml", "--format", "jsonl").stdout.rstrip("\n"))["ok"] is True
+    assert run("check", "prism.yaml", "--format", "jsonl").stdout.count("\n") == 1
+
+
+def test_json_lines_stand_beside_a_folder(run: Run):
+    ended = run("solve", "prism.yaml", "--format", "jsonl", "--out-dir", "out")
+    assert json.loads(ended.stdout) == json.loads(Path("out/prism.json").read_text())
+
+
+SUMMARY = (
+    "scene,case,verdict,stability,iterations,residual_relative,energy,max_strain,slack_count,"
+    "smallest_stiffness,seconds"
+)
+
+
+def test_a_summary_is_a_row_per_scene_a_bad_one_too(run: Run, bad: str):
+    ended = run("solve", "prism.yaml", bad, "bracket.yaml", "--summary", "s.csv", "--summary", "s.csv")
+    assert ended.exit_code == 3
+    assert Path("s.csv").read_text().splitlines()[0] == SUMMARY
+    prism, broken, bracket = csv.DictReader(Path("s.csv").read_text().splitlines())
+    assert (prism["scene"], prism["case"], prism["verdict"]) == ("prism.yaml", "", "converged")
+    assert (broken["scene"], broken["verdict"], broken["energy"]) == ("bad.yaml", "bad_scene", "")
+    result = json.loads(ended.stdout.splitlines()[1])
+    assert float(bracket["energy"]) == result["energy"]
+    strains = [abs(row["length"] / row["rest_length"] - 1) for row in result["elements"] if not row["slack"]]
+    assert float(bracket["max_strain"]) == pytest.approx(max(strains), rel=1e-9)
+
+
+def test_a_summary_may_be_json_lines(run: Run, bad: str):
+    run("solve", "prism.yaml", bad, "--summary", "s.jsonl")
+    rows = [json.loads(line) for line in Path("s.jsonl").read_text().splitlines()]
+    assert [list(row) for row in rows] == [SUMMARY.split(",")] * 2
+    assert [row["slack_count"] for row in rows] == [0, None]
+
+
+@pytest.mark.parametrize("command", ["solve", "check"])
+def test_scenes_can_be_listed_in_a_file(run: Run, command: str):
+    Path("list").write_text("\nprism.yaml\n  \nbracket.yaml\n")
+    direct = run(command, "prism.yaml", "bracket.yaml", "--format", "json").stdout.splitlines()
+    for ended in (
+        run(command, "--files-from", "list", "--format", "json"),
+        run(command, "--format", "json", "--files-from", "-", stdin="prism.yaml\r\nbracket.yaml"),
+        run(command, "prism.yaml", "--format", "json", "--files-from", "-", stdin="bracket.yaml\n"),
+    ):
+        assert ended.exit_code == 0, ended.stderr
+        assert len(ended.stdout.splitlines()) == len(direct) == 2
+
+
+def test_a_list_without_a_scene_is_wrong_usage(run: Run):
+    assert run("solve", "--files-from", "-", stdin="\n").exit_code == 2

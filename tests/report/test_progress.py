@@ -2,12 +2,14 @@
 
 import subprocess
 import sys
+from collections.abc import Callable
 
 import pytest
-from rich.live import Live
 
 from cgff_cli.report import progress
 from cgff_cli.report.progress import Progress
+
+Drawn = Callable[[], list[str]]
 
 ROW = {"iteration": 12, "residual_max": 1.5e-3}
 
@@ -21,30 +23,31 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
 
 
 @pytest.fixture
-def drawn(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """Return the lines drawn so far."""
-    lines: list[str] = []
-    monkeypatch.setattr(Live, "start", lambda self: lines.append("start"))
-    monkeypatch.setattr(Live, "update", lambda self, line, refresh: lines.append(line.plain))
-    monkeypatch.setattr(Live, "stop", lambda self: lines.append("stop"))
-    return lines
+def drawn(monkeypatch: pytest.MonkeyPatch) -> Callable[[], list[str]]:
+    """Return what gives the lines drawn so far."""
+    written: list[str] = []
+    monkeypatch.setattr(progress, "_write", written.append)
+    monkeypatch.setattr(progress, "_columns", lambda: 80)
+    return lambda: "".join(written).split("\r")[1:]
 
 
-def test_a_short_solve_shows_nothing(clock: list[float], drawn: list[str]):
+def test_a_short_solve_shows_nothing(clock: list[float], drawn: Drawn):
     with Progress("prism.yaml") as show:
         clock[0] += progress.DELAY - 0.01
         show(ROW)
-    assert drawn == []
+    assert drawn() == []
 
 
-def test_a_long_solve_shows_where_it_is_and_cleans_up(clock: list[float], drawn: list[str]):
+def test_a_long_solve_shows_where_it_is_and_cleans_up(clock: list[float], drawn: Drawn):
     with Progress("[red].yaml") as show:
         clock[0] += 0.6
         show(ROW)
-    assert drawn == ["start", "iteration 12  residual 1.50e-03  600 ms  [red].yaml", "stop"]
+    line, *wiped = drawn()
+    assert line == f"{'iteration 12  residual 1.50e-03  600 ms  [red].yaml':79}"
+    assert wiped == [" " * 79, ""]
 
 
-def test_the_line_is_wiped_also_when_the_solve_fails(clock: list[float], drawn: list[str]):
+def test_the_line_is_wiped_also_when_the_solve_fails(clock: list[float], drawn: Drawn):
     def solve() -> None:
         with Progress("prism.yaml") as show:
             clock[0] += 0.6
@@ -53,16 +56,16 @@ def test_the_line_is_wiped_also_when_the_solve_fails(clock: list[float], drawn: 
 
     with pytest.raises(KeyboardInterrupt):
         solve()
-    assert drawn[-1] == "stop"
+    assert drawn()[1:] == [" " * 79, ""]
 
 
-def test_the_line_is_redrawn_ten_times_a_second_at_most(clock: list[float], drawn: list[str]):
+def test_the_line_is_redrawn_ten_times_a_second_at_most(clock: list[float], drawn: Drawn):
     with Progress("prism.yaml") as show:
         clock[0] += 1.0
         for _ in range(1000):
             clock[0] += 0.001
             show(ROW)
-    assert 8 <= len(drawn) - 2 <= 11
+    assert 8 <= len(drawn()) - 2 <= 11
 
 
 def test_rich_is_imported_only_when_there_is_something_to_show():

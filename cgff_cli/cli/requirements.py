@@ -1,0 +1,147 @@
+"""`--require`: what an equilibrium must have, and the words for what it lacks."""
+
+from collections.abc import Callable, Iterable
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import click
+
+from cgff_cli.errors import OptionError
+from cgff_cli.hints import did_you_mean
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from cgff_cli.report.result import Result
+
+MOST_DIRECTIONS = 3000
+"""Free directions up to which dense matrices are made because a requirement needs them: about 20 s."""
+
+_NAMED = 3
+
+
+class Requirement(NamedTuple):
+    """One thing required: its words, the field of the analysis it needs, and what says how it is unmet."""
+
+    words: str
+    needs: str
+    unmet: "Callable[[Result], str]"
+
+
+class Requirements(click.ParamType):
+    """Words with commas between them, such as stable,max-strain=0.02."""
+
+    name = "requirements"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the tuple of Requirement; fails saying what is allowed."""
+        try:
+            return tuple(_requirement(word.strip()) for word in value.split(","))
+        except OptionError as error:
+            self.fail(str(error), param, ctx)
+
+
+def _requirement(word: str) -> Requirement:
+    name, given, text = word.partition("=")
+    if name == "max-strain":
+        return Requirement(word, "", partial(_beyond, _limit(text)))
+    if name not in PLAIN:
+        hint = did_you_mean(name, (*PLAIN, "max-strain")) or ";"
+        raise OptionError(f"unknown requirement {name!r}{hint} allowed: {ALLOWED}")
+    if given:
+        raise OptionError(f"{name} takes no value, got {word!r}")
+    return Requirement(word, *PLAIN[name])
+
+
+def _limit(text: str) -> float:
+    try:
+        limit = float(text)
+    except ValueError:
+        limit = -1.0
+    if not 0.0 <= limit < float("inf"):
+        raise OptionError(f"max-strain must be a number >= 0, as in max-strain=0.02, got {text!r}")
+    return limit
+
+
+def judged_for(result: "Result", requirements: Iterable[Requirement]) -> "Result":
+    """Return a result whose analysis answers the requirements, where it may and takes seconds."""
+    lacking = [name for _, name, _ in requirements if name and result.analysis[name] is None]
+    small = int(result.structure.free.sum()) <= MOST_DIRECTIONS
+    if not (lacking and small and result.converged and result.options["analysis"] == "auto"):
+        return result
+    from cgff_cli.pipeline import analysed_in_full
+
+    return analysed_in_full(result)
+
+
+def unmet(result: "Result", requirements: Iterable[Requirement]) -> list[str]:
+    """Return one sentence for each requirement that an equilibrium does not meet."""
+    said = [(own.words, own.unmet(result)) for own in requirements]
+    return [f"{words} is required, but {what}" for words, what in said if what]
+
+
+def _not_stable(result: "Result") -> str:
+    analysis = result.analysis
+    if analysis["stable"]:
+        return ""
+    if analysis["stable"] is None:
+        return _not_known(result, "stable", "stability")
+    softest = analysis["smallest_stiffness"]
+    return f"the equilibrium is {analysis['stability']}" + (
+        "" if softest is None else f": its softest motion has a stiffness of {softest:.3g}"
+    )
+
+
+def _not_super_stable(result: "Result") -> str:
+    analysis = result.analysis
+    if analysis["super_stable"]:
+        return ""
+    if analysis["super_stable"] is None:
+        return _not_known(result, "super_stable", "super-stability")
+    if not analysis["prestressed"]:
+        return "no element carries force"
+    return _not_stable(result) or "it is stable by the stiffness of its elements, not by its stress alone"
+
+
+def _not_known(result: "Result", field: str, what: str) -> str:
+    """Return why a field of the analysis is null."""
+    if result.options["analysis"] == "never":
+        return f"{what} was not computed, as analysis never asks"
+    reason = (result.analysis.get("reason") or {}).get(field)
+    return f"{what} is not known: {reason or 'analysis always or a smaller tolerance may tell'}"
+
+
+def _slack(result: "Result") -> str:
+    rows = result.slack.nonzero()[0]
+    return _said_of(result, rows, "slack")
+
+
+def _beyond(limit: float, result: "Result") -> str:
+    if result.max_strain is None:
+        return "no element has a rest length to be strained from"
+    strains = abs(result.strains)
+    rows = (strains > limit).nonzero()[0]
+    rows = rows[(-strains[rows]).round(9).argsort(kind="stable")]  # equal but for rounding: in scene order
+    return _said_of(result, rows, f"strained by up to {result.max_strain:.6g}")
+
+
+def _said_of(result: "Result", rows: "np.ndarray", what: str) -> str:
+    """Return what is said of some elements, the first of them by group and nodes; nothing of none."""
+    from cgff_cli.analysis.equilibrium import labels
+    from cgff_cli.scene.findings import quoted
+
+    if not len(rows):
+        return ""
+    named = [quoted(label) for label in labels(result.source, rows[:_NAMED])]
+    named += ["..."] * (len(rows) > _NAMED)
+    return f"{len(rows)} {'element is' if len(rows) == 1 else 'elements are'} {what}: {', '.join(named)}"
+
+
+PLAIN: "dict[str, tuple[str, Callable[[Result], str]]]" = {
+    "stable": ("stable", _not_stable),
+    "no-slack": ("", _slack),
+    "super-stable": ("super_stable", _not_super_stable),
+}
+"""Requirements without a number: the field of the analysis they need, and what says how they are unmet."""
+
+ALLOWED = f"{','.join(PLAIN)},max-strain=X"

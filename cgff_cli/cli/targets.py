@@ -1,0 +1,65 @@
+"""What a command may write: no file that it reads, no file twice, none that the system refuses."""
+
+import os
+from collections.abc import Iterable, Iterator, Sequence
+
+import click
+
+from cgff_cli.report.files import STDOUT, check_target, is_stream, make_folder
+
+Named = tuple[str, str]
+"""The path of a file, and what it is in words."""
+
+Identity = tuple[int, int] | str
+"""Device and inode of a file; of one that is yet to be written, its path."""
+
+
+def files_among(targets: Iterable[tuple[str | None, str]]) -> list[Named]:
+    """Return the targets that are files, leaving out those not asked for, devices and pipes."""
+    return [(path, what) for path, what in targets if path and path != STDOUT and not is_stream(path)]
+
+
+def check_targets(targets: Sequence[Named], inputs: Iterable[Named], folder: str | None = None) -> None:
+    """Refuse, before any work, what would be written over something of this run, or not at all.
+
+    inputs : asked for only where a target exists already: nothing else can be one of them
+    folder : made where it is missing, once nothing speaks against the rest
+
+    Raises UsageError, and CgffError where the system refuses.
+    """
+    taken: dict[Identity, str] = {}
+    for path, what in targets:
+        if _identity(path) in taken:
+            raise click.UsageError(f"{path} would be written over {taken[_identity(path)]}")
+        taken[_identity(path)] = what
+    refuse_inputs(targets, inputs)
+    if folder is not None:
+        make_folder(folder)
+    for path, _ in targets:
+        check_target(path)
+
+
+def refuse_inputs(targets: Sequence[Named], inputs: Iterable[Named]) -> None:
+    """Raise UsageError where a target is one of the files read, by whatever name."""
+    existing = {_identity(path): path for path, _ in targets if os.path.exists(path)}
+    for path, what in inputs if existing else ():
+        if _identity(path) in existing:
+            raise click.UsageError(f"{existing[_identity(path)]} would be written over {what}")
+
+
+def files_of(scenes: Iterable[str]) -> Iterator[Named]:
+    """Yield the files that scenes are read from; those of standard input are known once it is read."""
+    from cgff_cli.scene.read import tables_of
+
+    for scene in scenes:
+        if scene != STDOUT:
+            yield scene, f"the scene {scene}"
+            yield from ((table, f"a table of {scene}") for table in tables_of(scene))
+
+
+def _identity(path: str) -> Identity:
+    try:
+        status = os.stat(path)
+    except (OSError, ValueError):
+        return os.path.realpath(path)
+    return status.st_dev, status.st_ino
