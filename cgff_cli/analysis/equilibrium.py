@@ -6,10 +6,10 @@ import numpy as np
 
 from cgff_cli.analysis.ranks import force_density_threshold, rank_conditions, rank_tolerance
 from cgff_cli.analysis.stability import is_super_stable, stability
-from cgff_cli.mechanics.rigid import rigid_motions
 from cgff_cli.options import SolveOptions
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers.solution import Solution
+from cgff_cli.solvers.stopping import VANISHED
 
 SMALL = 300
 """Free directions up to which ranks and eigenvalues are computed without being asked for."""
@@ -40,16 +40,15 @@ def analysed(scene: Scene, solution: Solution, options: SolveOptions) -> dict[st
 
     Stability is a statement about an equilibrium: without one it is null.
     """
-    state = solution.state
+    state, mechanics, floor = solution.state, solution.mechanics, solution.balance.floor
     found: dict[str, Any] = dict(NOT_COMPUTED)
-    prestressed = bool(np.abs(state.t).max() > 16.0 * solution.floor)
-    small = state.mechanics.connectivity.is_small and len(state.mechanics.dofs) <= SMALL
+    prestressed = bool(np.abs(state.t).max() > VANISHED * floor)
+    small = mechanics.is_small and len(mechanics.dofs) <= SMALL
     if options.analysis == "always" or (options.analysis == "auto" and small):
-        tolerance = rank_tolerance(solution.residual_max, solution.reference)
-        rigid = rigid_motions(state.X, state.mechanics.structure.free)
-        found |= rank_conditions(state, tolerance, rigid.shape[1])
+        tolerance = rank_tolerance(solution.relative)
+        found |= rank_conditions(state, tolerance)
         if solution.verdict.converged:
-            found |= stability(state, solution.floor)
+            found |= stability(state, floor)
             found["super_stable"] = (
                 prestressed
                 and found["stable"] is True
@@ -58,10 +57,9 @@ def analysed(scene: Scene, solution: Solution, options: SolveOptions) -> dict[st
     elif options.analysis == "auto" and solution.verdict.converged:
         from cgff_cli.analysis.large import stability_of_large
 
-        found |= stability_of_large(state, options.factor, solution.floor)
+        found |= stability_of_large(state, options.factor, floor)
     slack = np.flatnonzero(state.slack)
-    pushed = np.flatnonzero(~state.mechanics.structure.tension_only & (state.t > 0.0))
-    pulled = pushed[state.t[pushed] > 16.0 * solution.floor]
+    pulled = np.flatnonzero(~mechanics.structure.tension_only & (state.t > VANISHED * floor))
     return found | {
         "prestressed": prestressed,
         "slack_count": len(slack),

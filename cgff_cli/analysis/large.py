@@ -4,8 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from cgff_cli.analysis.stability import MOST_REFINEMENTS, resisting_stiffness, told
-from cgff_cli.mechanics.norms import norm
+from cgff_cli.analysis.stability import MOST_REFINEMENTS, resists, told
 from cgff_cli.mechanics.rigid import rigid_motions
 from cgff_cli.mechanics.state import State
 from cgff_cli.solvers.preconditioners.sparse import SparseTangent
@@ -18,33 +17,48 @@ def stability_of_large(state: State, kind: str, floor: float) -> dict[str, Any]:
     kind: the sparse factors to use, as in the solve option `factor`; floor: the rounding error of forces.
     """
     structure = state.mechanics.structure
-    k = resisting_stiffness(state, floor)
-    if structure.tension_only.all() and not _is_partly_held(structure.free):
-        return told("stable" if _is_all_tied(state, k > 0.0) else "neutral", state, float("inf"))
+    taut = resists(state, floor)
+    if structure.tension_only.all() and state.mechanics.mask is None:
+        return told("stable" if _is_all_tied(state, taut) else "neutral", state, float("inf"))
     tangent = SparseTangent(state.mechanics, False, kind)
-    found = tangent.kind_of_balance(state, k)
+    found = _inertia(tangent, state, taut)
     for _ in range(MOST_REFINEMENTS):
-        there = tangent.refined(state) if found == "neutral" and norm(state.free_eta) > floor else state
+        there = _refined(tangent, state) if found == "neutral" and state.norm > floor else state
         if there is state:
             break
         state = there
-        found = tangent.kind_of_balance(state, k)
+        found = _inertia(tangent, state, taut)
     if found == "neutral" and not _is_settled(state):
         return {"stable": None, "stability": None}
     return told(found, state, floor)
+
+
+def _inertia(tangent: SparseTangent, state: State, taut: np.ndarray) -> str:
+    """Return "stable", "unstable" or "neutral": whether K less its doubt, or with it, is positive definite.
+
+    The rigid motions of a floating body are pinned; others that supports allow may be what is neutral.
+    """
+    doubt = tangent.doubt(state)
+    if tangent.definite(state, -doubt, taut) is not None:
+        return "stable"
+    return "neutral" if tangent.definite(state, doubt, taut) is not None else "unstable"
+
+
+def _refined(tangent: SparseTangent, state: State) -> State:
+    """Return the state after a Newton step, or itself where K is indefinite or the step gains nothing."""
+    solve = tangent.system(state.X, state.V, state.axial_weights(), state.q, 0.0)
+    if solve is None:
+        return state
+    there = state.mechanics.at(state.X - solve(state.g))
+    return there if there.norm < state.norm else state
 
 
 def _is_settled(state: State) -> bool:
     """Return whether rigid motions are either all idle, and pinned, or all impossible."""
     mechanics = state.mechanics
     if mechanics.all_free:
-        return not mechanics.has_loads
-    return rigid_motions(state.X, mechanics.structure.free).shape[1] == 0
-
-
-def _is_partly_held(free: np.ndarray) -> bool:
-    """Return whether any node is held in some directions and free in others."""
-    return bool(np.any(free.any(axis=1) != free.all(axis=1)))
+        return mechanics.F is None
+    return rigid_motions(mechanics.everywhere(state.X), mechanics.structure.free.T).shape[1] == 0
 
 
 def _is_all_tied(state: State, taut: np.ndarray) -> bool:

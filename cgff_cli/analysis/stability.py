@@ -5,11 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from cgff_cli.mechanics.connectivity import dense
 from cgff_cli.mechanics.equilibrium import force_density_matrix
-from cgff_cli.mechanics.norms import norm
-from cgff_cli.mechanics.rigid import idle_motions
+from cgff_cli.mechanics.signs import shortest, spectrum
 from cgff_cli.mechanics.state import State
-from cgff_cli.solvers.curvature import doubt, shortest
 from cgff_cli.solvers.stopping import VANISHED
 
 MOST_REFINEMENTS = 3
@@ -29,63 +28,49 @@ def stability(state: State, floor: float) -> dict[str, Any]:
     count: a pendulum is stable hanging and unstable upright. A cable whose force is within rounding (floor)
     of none resists nothing: it may be shortened for free.
     """
-    softest, unsure, step = _softest(state, floor)
+    values, unsure, step = _spectrum(state, floor)
     for _ in range(MOST_REFINEMENTS):
-        if softest is None or _is_settled(state, softest) or norm(state.free_eta) <= floor:
+        if not len(values) or _is_settled(state, float(values[0])) or state.norm <= floor:
             break
         there = state.mechanics.at(state.X + step)
-        if not norm(there.free_eta) < norm(state.free_eta):
+        if not there.norm < state.norm:
             break
         state = there
-        softest, unsure, step = _softest(state, floor)
-    if softest is None:
+        values, unsure, step = _spectrum(state, floor)
+    if not len(values):
         return {"stable": True, "stability": "stable", "smallest_stiffness": None}
+    softest = float(values[0])
     kind = "stable" if softest > unsure else "unstable" if softest < -unsure else "neutral"
-    return told(kind, state, floor) | {"smallest_stiffness": softest}
+    return told(kind, state, floor) | {"smallest_stiffness": softest * state.mechanics.frame.stiffness}
 
 
 def told(kind: str, state: State, floor: float) -> dict[str, Any]:
     """Return `stable` and `stability`; null where a state so far from balance leaves the sign in doubt."""
-    if kind == "neutral" and norm(state.free_eta) > VANISHED * floor * sqrt(len(state.X)):
+    if kind == "neutral" and state.norm > VANISHED * floor * sqrt(state.X.shape[1]):
         return {"stable": None, "stability": None}
     return {"stable": kind == "stable", "stability": kind}
 
 
-def _softest(state: State, floor: float) -> tuple[float | None, float, np.ndarray]:
-    """Return the least stiffness apart from idle motions (None: all are), its doubt, and a Newton step."""
-    mechanics = state.mechanics
-    K = state.dense_tangent(k=resisting_stiffness(state, floor))
-    held_forces = mechanics.structure.loads - (state.eta - state.free_eta)
-    partly = not np.array_equal(mechanics.structure.free.any(axis=1), mechanics.structure.free.all(axis=1))
-    blur = norm(state.free_eta) + floor if partly else 0.0
-    idle = idle_motions(state.X, mechanics.structure.free, held_forces, blur)
-    step = np.zeros_like(state.X)
-    if len(K) == idle.shape[1]:
-        return None, 0.0, step
-    unsure = doubt(K, state)
-    stiffest = norm(K)
-    K -= idle @ (idle.T @ K)
-    K -= (K @ idle) @ idle.T
-    K += stiffest * (idle @ idle.T)
-    values, vectors = np.linalg.eigh(K)
+def _spectrum(state: State, floor: float) -> tuple[np.ndarray, float, np.ndarray]:
+    """Return stiffnesses apart from idle motions, their doubt, and a Newton step along the sure ones."""
+    blur = 0.0 if state.mechanics.mask is None else state.norm + floor
+    values, vectors, unsure = spectrum(state, resists(state, floor), blur)
     sure = np.abs(values) > unsure
     along = vectors[:, sure]
-    step.reshape(-1)[mechanics.dofs] = along @ (
-        (along.T @ state.free_eta.reshape(-1)[mechanics.dofs]) / values[sure]
-    )
-    return float(values[0]), unsure, step
+    step = -along @ ((along.T @ state.g.reshape(-1)) / values[sure])
+    return values, unsure, step.reshape(state.X.shape)
 
 
 def _is_settled(state: State, softest: float) -> bool:
     """Return whether the exact equilibrium near by has a softest stiffness of the same sign."""
     change = float(state.mechanics.nodal_stiffness.max()) / shortest(state)
-    return softest * softest > SETTLED * change * norm(state.free_eta)
+    return softest * softest > SETTLED * change * state.norm
 
 
-def resisting_stiffness(state: State, floor: float) -> np.ndarray:
-    """Return (b,) stiffnesses, zero for slack cables and those whose force is within rounding of none."""
-    idle = state.mechanics.structure.tension_only & (state.t <= VANISHED * floor)
-    return np.where(idle, 0.0, state.active_stiffness)
+def resists(state: State, floor: float) -> np.ndarray:
+    """Return (b,) bool: not slack, nor a cable whose force is within rounding of none."""
+    cable = state.mechanics.structure.tension_only
+    return state.taut & ~(cable & (state.t <= VANISHED * floor))
 
 
 def is_super_stable(state: State, threshold: float) -> bool:
@@ -96,14 +81,15 @@ def is_super_stable(state: State, threshold: float) -> bool:
     and the affine motions are those that the supports allow; loads may resist some of them. The structure
     is prestressed: without forces D is rounding error. threshold: the force density taken for zero.
     """
-    d = state.X.shape[1]
-    D = force_density_matrix(state.mechanics.connectivity.dense, state.q)
-    affine = _affine_coordinates(state.X)
+    structure = state.mechanics.structure
+    n, d = structure.coordinates.shape
+    D = force_density_matrix(dense(structure.start, structure.end, n), state.q)
+    affine = _affine_coordinates(state.mechanics.everywhere(state.X).T)
     motions = affine.shape[1]
     if not state.mechanics.all_free:
-        free = state.mechanics.structure.free.reshape(-1)
-        D = np.kron(D, np.eye(d))[np.ix_(free, free)]
-        held = np.kron(affine, np.eye(d))[~free]
+        free = structure.free.T.reshape(-1)
+        D = np.kron(np.eye(d), D)[np.ix_(free, free)]
+        held = np.kron(np.eye(d), affine)[~free]
         motions = motions * d - int(np.linalg.matrix_rank(held, tol=1e-9))
     values = np.linalg.eigvalsh(D)
     positive = int((values > threshold).sum())

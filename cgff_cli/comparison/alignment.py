@@ -12,7 +12,7 @@ _BLOCK = 512
 
 def alignment_of(X: np.ndarray, free: np.ndarray) -> str:
     """Return "rigid" where the supports leave a rigid motion, else "none"."""
-    return "rigid" if rigid_motions(X, free).shape[1] else "none"
+    return "rigid" if rigid_motions(X.T, free.T).shape[1] else "none"
 
 
 def aligned(X: np.ndarray, target: np.ndarray, alignment: str) -> np.ndarray:

@@ -66,8 +66,8 @@ def compare(
         groups=np.repeat(np.arange(len(scene.groups)), [len(group.EA) for group in scene.groups]),
         options=options,
         time_limit=time_limit,
-        reference=Reference(best.state.X, best.state.q),
-        alignment=alignment_of(best.state.X, structure.free),
+        reference=Reference(best.shape, best.force_densities),
+        alignment=alignment_of(best.shape, structure.free),
     )
     runs: dict[str, list[Run]] = {name: [] for name in names}
     for number in range(1, repeat + 1):
@@ -101,10 +101,9 @@ def _reference(structure: Structure, options: SolveOptions) -> Solution:
 
 
 def _told(scene: Scene, best: Solution) -> dict[str, object]:
-    relative = best.residual_max / best.reference if best.reference > 0.0 else best.residual_max
     return {
         "verdict": best.verdict.value,
-        "residual_relative": relative,
+        "residual_relative": best.relative,
         "energy": best.energy,
         "nodes": nodes(scene, best.coordinates),
     }
@@ -115,8 +114,8 @@ def _rows(scene: Scene, case: Case, runs: dict[str, list[Run]]) -> tuple[Method,
     own = runs["cgff"][0].end
     answer = None
     if own is not None:
-        state = solution_at(case, own.X).state
-        answer = Answer(state.X, state.l, state.q)
+        found = solution_at(case, own.X)
+        answer = Answer(found.shape, found.lengths, found.force_densities)
     return tuple(
         judged(scene, case, name, own_runs, None if name == "cgff" else answer)
         for name, own_runs in runs.items()

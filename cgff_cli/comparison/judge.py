@@ -10,10 +10,11 @@ from cgff_cli.analysis.equilibrium import analysed
 from cgff_cli.comparison.alignment import aligned, distance_difference, largest_move
 from cgff_cli.comparison.record import Method, Nodes, Point, ShapePoint
 from cgff_cli.comparison.runs import Case, Run
+from cgff_cli.mechanics.state import Mechanics
 from cgff_cli.rivals.registry import REGISTRY
 from cgff_cli.rivals.trace import TOLERANCES, Mark
 from cgff_cli.scene.scene import Scene
-from cgff_cli.solvers.solution import History, Solution, concluded
+from cgff_cli.solvers.solution import Solution
 from cgff_cli.solvers.stopping import Verdict
 
 CONVERGED = (Verdict.CONVERGED, Verdict.ROUNDING_FLOOR, "other_equilibrium")
@@ -33,19 +34,12 @@ class Answer(NamedTuple):
 
 def solution_at(case: Case, X: np.ndarray) -> Solution:
     """Return the Solution that a shape (n, d) about the centroid of the start amounts to."""
-    structure = case.structure
-    centre = case.structure.coordinates.mean(axis=0)
-    history = History()
-    history.add(*[0] * 9)  # a start: its numbers are not asked for
+    mechanics = Mechanics(case.structure)
     tolerance = case.options.tolerance
-    found = concluded(structure, X, centre, Verdict.STEP_VANISHED, tolerance, history, 0)
-    if found.residual_max <= tolerance * found.reference:
-        verdict = Verdict.CONVERGED
-    elif found.residual_max <= found.floor:
-        verdict = Verdict.ROUNDING_FLOOR
-    else:
-        return found
-    return concluded(structure, X, centre, verdict, tolerance, history, 0)
+    found = Solution(mechanics.at(mechanics.moving(X)), Verdict.STEP_VANISHED, tolerance, 0)
+    if found.relative <= tolerance:
+        return replace(found, verdict=Verdict.CONVERGED)
+    return replace(found, verdict=Verdict.ROUNDING_FLOOR) if found.balance.at_floor else found
 
 
 def judged(scene: Scene, case: Case, name: str, runs: list[Run], cgff: Answer | None) -> Method:
@@ -62,7 +56,7 @@ def judged(scene: Scene, case: Case, name: str, runs: list[Run], cgff: Answer | 
     if verdict in (Verdict.CONVERGED, Verdict.ROUNDING_FLOOR):
         balanced = replace(solution, verdict=Verdict(verdict))
         stable = analysed(scene, balanced, case.options)["stable"]
-    lengths, q = solution.state.l, solution.state.q
+    lengths, q = solution.lengths, solution.force_densities
     if end.force_densities is not None:
         q = _scaled(end.force_densities, cgff) if alignment == "affine" else end.force_densities
     return Method(
@@ -74,7 +68,7 @@ def judged(scene: Scene, case: Case, name: str, runs: list[Run], cgff: Answer | 
         runs[0].trace.iterations,
         runs[0].trace.evaluations,
         median(run.seconds for run in runs),
-        _relative(solution),
+        solution.relative,
         solution.energy,
         alignment,
         nodes(scene, solution.placed(X)),
@@ -91,16 +85,12 @@ def nodes(scene: Scene, X: np.ndarray) -> Nodes:
     return dict(zip(scene.node_names, X.tolist(), strict=True))
 
 
-def _relative(solution: Solution) -> float:
-    return solution.residual_max / solution.reference if solution.reference > 0.0 else solution.residual_max
-
-
 def _verdict(solution: Solution, ended: str, message: str, time_limit: float) -> tuple[str, str]:
     """Return the verdict and a sentence on it: what the forces say first, then what the method says."""
     if solution.verdict.converged:
         own = f" ({message})" if ended == "form_found" else ""
         return solution.verdict.value, solution.message + own
-    left = f"out-of-balance force {_relative(solution):.1e} of the largest force"
+    left = f"out-of-balance force {solution.relative:.1e} of the largest force"
     if ended == "form_found" and _is_rounding(solution):
         return Verdict.ROUNDING_FLOOR.value, (
             f"equilibrium to the rounding of its coordinates: {left} ({message})"

@@ -9,9 +9,9 @@ from cgff_cli.errors import CgffError
 from cgff_cli.mechanics.state import Mechanics
 from cgff_cli.options import SolveOptions
 from cgff_cli.rivals.registry import REGISTRY
-from cgff_cli.rivals.task import End, Reference, Task, centred
+from cgff_cli.rivals.task import End, Reference, Task
 from cgff_cli.rivals.trace import Stop, Trace
-from cgff_cli.solvers.stopping import Watch
+from cgff_cli.solvers.stopping import Gauge, Watch
 from cgff_cli.structure import Structure
 
 EVALUATIONS_PER_ITERATION = 50
@@ -52,7 +52,8 @@ def run(name: str, case: Case) -> Run:
     entry = REGISTRY[name]
     options = case.options
     most = EVALUATIONS_PER_ITERATION * options.max_iterations
-    watch = None if entry.judges_itself else Watch(options.tolerance, most)
+    mechanics = Mechanics(case.structure)
+    watch = None if entry.judges_itself else Watch(Gauge(mechanics), options.tolerance, most)
     target = case.reference.X
     unit = size(target)
 
@@ -61,7 +62,7 @@ def run(name: str, case: Case) -> Run:
         laid = X if entry.is_affine else aligned(X, target, case.alignment)
         return largest_move(laid, target) / unit
 
-    trace = Trace(Mechanics(centred(case.structure)), watch, case.time_limit, distance)
+    trace = Trace(mechanics, watch, case.time_limit, distance)
     if entry.is_affine:
         trace.fit = lambda X: affinely(X, target)
     try:

@@ -1,10 +1,12 @@
 """The connectivity matrix rho, eq. (1), as the two products that the mechanics needs.
 
 rho is b x n: +1 at an element's begin node, -1 at its end node. Element vectors rho X change sign with
-an element's direction; U, D, forces and energy do not.
+an element's direction; U, D, forces and energy do not. Only nodes that can move have a column here: what
+the others add to the element vectors does not change.
 """
 
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 
@@ -12,44 +14,76 @@ DENSE_ENTRIES = 20_000
 """Up to this many entries a dense rho is faster than any indexing, and needs no scipy."""
 
 
-class Connectivity:
-    """rho for b elements (rows begin, end) between n nodes."""
+def dense(start: np.ndarray, end: np.ndarray, node_count: int) -> np.ndarray:
+    """Return rho^T, (n, b), eq. (1), of elements from nodes start to nodes end, both (b,)."""
+    rho_t = np.zeros((node_count, len(start)))
+    columns = np.arange(len(start))
+    rho_t[start, columns] = 1.0
+    rho_t[end, columns] = -1.0
+    return rho_t
 
-    def __init__(self, start: np.ndarray, end: np.ndarray, node_count: int):
-        self.start, self.end, self.node_count = start, end, node_count
-        self.is_small = len(start) * node_count <= DENSE_ENTRIES
-        if self.is_small:
-            self._rho = self.dense
-            self._transpose = np.ascontiguousarray(self._rho.T)
+
+class DenseConnectivity:
+    """rho over the nodes that move; rho_t: (m, b), fixed: (d, b) what the others add to the vectors, or 0."""
+
+    is_small: Literal[True] = True
+
+    def __init__(self, start: np.ndarray, end: np.ndarray, X: np.ndarray, moves: np.ndarray | None):
+        self.rho_t = dense(start, end, X.shape[1])
+        self.fixed: np.ndarray | None = None
+        if moves is not None:
+            self.fixed = X[:, ~moves] @ self.rho_t[~moves]
+            self.rho_t = self.rho_t[moves]
+        self.rho = np.ascontiguousarray(self.rho_t.T)
 
     @cached_property
-    def dense(self) -> np.ndarray:
-        """rho as a (b, n) array, eq. (1)."""
-        rho = np.zeros((len(self.start), self.node_count))
-        rows = np.arange(len(self.start))
-        rho[rows, self.start] += 1.0
-        rho[rows, self.end] -= 1.0
-        return rho
-
-    @cached_property
-    def _sparse(self):  # type: ignore[no-untyped-def]
-        """rho and rho^T, both by rows: a product costs a fifth of indexing nodes by element."""
-        from scipy.sparse import csr_array
-
-        b = len(self.start)
-        ends = np.stack((self.start, self.end), axis=1).reshape(-1)
-        shape = (b, self.node_count)
-        rho = csr_array((np.tile((1.0, -1.0), b), ends, 2 * np.arange(b + 1)), shape=shape)
-        return rho, rho.T.tocsr()
+    def pairs(self) -> np.ndarray:
+        """(b, m, m) rho^T rho of every element by itself."""
+        return self.rho[:, :, None] * self.rho[:, None, :]
 
     def differences(self, X: np.ndarray) -> np.ndarray:
-        """Return rho X: (b, d) element vectors, begin minus end, of (n, d) positions."""
-        if self.is_small:
-            return self._rho @ X
-        return self._sparse[0] @ X
+        """Return rho X: (d, ..., b) begin minus end of (d, ..., m) positions of the nodes that move."""
+        return X @ self.rho_t
 
     def gather(self, V: np.ndarray) -> np.ndarray:
-        """Return rho^T V: (n, d) sums over each node's elements of (b, d) element vectors."""
-        if self.is_small:
-            return self._transpose @ V
-        return self._sparse[1] @ V
+        """Return rho^T V: (d, ..., m) sums over each node's elements of (d, ..., b) element vectors."""
+        return V @ self.rho
+
+
+class SparseConnectivity:
+    """The same for large structures; one axis at a time, so that each is contiguous."""
+
+    is_small: Literal[False] = False
+
+    def __init__(self, start: np.ndarray, end: np.ndarray, X: np.ndarray, moves: np.ndarray | None):
+        from scipy.sparse import csr_array
+
+        b = len(start)
+        ends = np.stack((start, end), axis=1).reshape(-1)
+        rho = csr_array((np.tile((1.0, -1.0), b), ends, 2 * np.arange(b + 1)), shape=(b, X.shape[1]))
+        self.fixed: np.ndarray | None = None
+        if moves is not None:
+            self.fixed = np.stack([rho @ x for x in np.where(moves, 0.0, X)])
+            rho = rho[:, moves]
+        self._rho, self._rho_t = rho, rho.T.tocsr()
+
+    def dense(self) -> np.ndarray:
+        """Return rho^T as a dense (m, b) matrix, which may be asked for though it is dear."""
+        return np.asarray(self._rho_t.toarray())
+
+    def differences(self, X: np.ndarray) -> np.ndarray:
+        """Return rho X, (d, b), of (d, m) positions of the nodes that move."""
+        return np.stack([self._rho @ x for x in X])
+
+    def gather(self, V: np.ndarray) -> np.ndarray:
+        """Return rho^T V, (d, m), of (d, b) element vectors."""
+        return np.stack([self._rho_t @ v for v in V])
+
+
+Connectivity = DenseConnectivity | SparseConnectivity
+
+
+def connectivity(start: np.ndarray, end: np.ndarray, X: np.ndarray, moves: np.ndarray | None) -> Connectivity:
+    """Return rho for (d, n) positions; moves: (n,) bool, None where all nodes move."""
+    small = len(start) * X.shape[1] <= DENSE_ENTRIES
+    return (DenseConnectivity if small else SparseConnectivity)(start, end, X, moves)

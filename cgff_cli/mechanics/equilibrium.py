@@ -1,7 +1,6 @@
 """Balance of forces at the nodes: U, D and the residual, eq. (3), (4), (8), (9).
 
-Degrees of freedom run node by node: row i d + a is node i, axis a. The paper runs axis by axis; ranks,
-nullities and eigenvalues do not notice.
+Degrees of freedom run axis by axis, as in the paper: row a n + i is node i, axis a.
 """
 
 import numpy as np
@@ -9,20 +8,20 @@ import numpy as np
 from cgff_cli.mechanics.connectivity import Connectivity
 
 
-def equilibrium_matrix(rho: np.ndarray, V: np.ndarray) -> np.ndarray:
-    """Return U, (n d, b), eq. (3): U q are the nodal forces that carry force densities q.
+def equilibrium_matrix(rho_t: np.ndarray, V: np.ndarray) -> np.ndarray:
+    """Return U, (..., d n, b), eq. (3): U q are the nodal forces that carry force densities q.
 
-    rho: (b, n) connectivity; V: (b, d) element vectors rho X.
+    rho_t: (n, b) connectivity, transposed; V: (d, ..., b) element vectors rho X.
     """
-    b, n = rho.shape
-    return (rho.T[:, None, :] * V.T[None, :, :]).reshape(n * V.shape[1], b)
+    U = V.swapaxes(0, -2)[..., None, :] * rho_t
+    return U.reshape(*U.shape[:-3], -1, U.shape[-1])
 
 
-def force_density_matrix(rho: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Return D = rho^T diag(q) rho, (n, n), eq. (4)."""
-    return (rho.T * q) @ rho
+def force_density_matrix(rho_t: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Return D = rho^T diag(q) rho, (..., n, n), eq. (4); q: (..., b)."""
+    return (rho_t * q[..., None, :]) @ rho_t.T
 
 
-def residual(connectivity: Connectivity, V: np.ndarray, q: np.ndarray, loads: np.ndarray) -> np.ndarray:
-    """Return eta = F - U q, (n, d), eq. (8), (9): the out-of-balance force on every node."""
-    return loads - connectivity.gather(q[:, None] * V)
+def internal_forces(connectivity: Connectivity, V: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Return U q, (d, ..., m), the pull of elements on nodes; the residual is eta = F - U q, eq. (8), (9)."""
+    return connectivity.gather(V * q)

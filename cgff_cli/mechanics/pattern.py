@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from cgff_cli.mechanics.state import Mechanics
+
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
 
@@ -77,33 +79,35 @@ class GraphPattern:
 
 
 class TangentPattern:
-    """The tangent stiffness over the nodes that can move, as compressed columns.
+    """The tangent stiffness over the nodes that can move, node by node, as compressed columns.
 
     Directions in which such a node is held keep a row with nothing but `held` on the diagonal.
     """
 
-    def __init__(self, start: np.ndarray, end: np.ndarray, free: np.ndarray):
-        moves = free.any(axis=1)
-        rows = np.where(moves, np.cumsum(moves) - 1, -1)
-        self.graph = GraphPattern(start, end, rows)
-        self.free = free[moves]
-        self.d = free.shape[1]
+    def __init__(self, mechanics: Mechanics):
+        structure, moves = mechanics.structure, mechanics.moves
+        n, self.d = structure.coordinates.shape
+        rows = np.arange(n) if moves is None else np.where(moves, np.cumsum(moves) - 1, -1)
+        self.graph = GraphPattern(structure.start, structure.end, rows)
         self.size = self.graph.size * self.d
         self.indices, self.indptr = self._expanded()
-        held = ~self.free.reshape(-1)
         columns = np.repeat(np.arange(self.size), np.diff(self.indptr))
         self.diagonal = np.flatnonzero(self.indices == columns)
-        self._cut = np.flatnonzero(held[self.indices] | held[columns]) if held.any() else None
-        self._held = held
+        self._held = None if mechanics.mask is None else mechanics.mask.T.reshape(-1) == 0.0
+        if self._held is not None:
+            self._cut = np.flatnonzero(self._held[self.indices] | self._held[columns])
 
-    def fill(self, u: np.ndarray, k: np.ndarray, q: np.ndarray, extra: np.ndarray, held: float) -> np.ndarray:
-        """Return the data of K + extra; u: (b, d), k, q: (b,), extra: (rows, d, d) diagonal blocks."""
-        blocks = (k - q)[:, None, None] * (u[:, :, None] * u[:, None, :])
+    def fill(self, V: np.ndarray, w: np.ndarray, q: np.ndarray, extra: np.ndarray, held: float) -> np.ndarray:
+        """Return the data of K + extra: w V V^T + q I for each element; see mechanics.tangent.
+
+        V: (d, b), w and q: (b,), extra: (rows, d, d) diagonal blocks.
+        """
+        blocks = np.einsum("b,ib,jb->bij", w, V, V)
         blocks += q[:, None, None] * np.eye(self.d)
         data = self.graph.fill(blocks, blocks, -blocks)
         data[self.graph.diagonal] += extra
         data = data.reshape(-1)[self._order]
-        if self._cut is not None:
+        if self._held is not None:
             data[self._cut] = 0.0
             data[self.diagonal[self._held]] = held
         return data

@@ -1,23 +1,10 @@
-"""Rigid motions: what moves a structure without deforming it."""
+"""Rigid motions: what moves a structure without deforming it. Directions run axis by axis."""
 
 from math import sqrt
 
 import numpy as np
 
 from cgff_cli.mechanics.norms import norm
-
-
-def _turns(d: int) -> np.ndarray:
-    """Return (d, d r): a position times this is its d velocities under each of the r unit rotations."""
-    planes = [(i, j) for i in range(d) for j in range(i + 1, d)]
-    turns = np.zeros((d, d, len(planes)))
-    for r, (i, j) in enumerate(planes):
-        turns[j, i, r], turns[i, j, r] = -1.0, 1.0
-    return turns.reshape(d, -1)
-
-
-UNITS = {d: np.eye(d) for d in (2, 3)}
-TURNS = {d: _turns(d) for d in (2, 3)}
 
 FLAT = 1e-10
 """Relative size below which a rotation moves nothing (a collinear structure about its own line)."""
@@ -27,54 +14,73 @@ UNTURNED = 1e-12
 
 
 def rigid_motions(X: np.ndarray, free: np.ndarray) -> np.ndarray:
-    """Return an orthonormal basis (m, r) of the rigid motions that the supports allow.
+    """Return an orthonormal basis (f, r) of the rigid motions that the supports allow.
 
-    X: (n, d) positions; free: (n, d) bool. Rows are the m free directions, node by node. A plane free
-    body has r = 3, a spatial one 6; one whose nodes lie on a line has one rotation less.
+    X: (d, n) positions; free: (d, n) bool. Rows are the f free directions. A plane free body has r = 3, a
+    spatial one 6; one whose nodes lie on a line has one rotation less.
     """
     return (all_motions(X) @ _allowed(X, free))[free.reshape(-1)]
 
 
 def idle_motions(X: np.ndarray, free: np.ndarray, F: np.ndarray, blur: float) -> np.ndarray:
-    """Return an orthonormal basis (m, r) of the rigid motions that leave a balanced structure balanced.
+    """Return an orthonormal basis (f, r) of the rigid motions that leave a balanced structure balanced.
 
-    F: (n, d) loads and reactions. Moved rigidly, the forces in a body turn with it and those on it do not:
+    F: (d, n) loads and reactions. Moved rigidly, the forces in a body turn with it and those on it do not:
     K r is the rate at which r turns F, and a motion that turns none of it costs nothing to second order.
     blur: error of F in directions held at nodes that are free in others.
     """
     own = _allowed(X, free)
-    rates = _rotation_rates(X, F).reshape(F.size, -1)
-    turned = (rates @ own[F.shape[1] :])[free.reshape(-1)]
+    turned = (_rotations(F, _size(X)) @ own[len(F) :])[free.reshape(-1)]
     _, values, rows = np.linalg.svd(turned, full_matrices=False)
-    error = (UNTURNED * norm(F) + blur * sqrt(len(F))) / _size(X) * norm(own)
+    error = (UNTURNED * norm(F) + blur * sqrt(F.shape[1])) / _size(X) * norm(own)
     return (all_motions(X) @ (own @ rows[int((values > error).sum()) :].T))[free.reshape(-1)]
 
 
 def all_motions(X: np.ndarray) -> np.ndarray:
-    """Return d translations and d (d - 1) / 2 rotations about the centroid as columns, (n d, r).
+    """Return d translations and d (d - 1) / 2 rotations about the centroid as columns, (d n, r).
 
     Columns are about as long as each other; they are not orthonormal.
     """
-    n, d = X.shape
-    X = X - X.mean(axis=0)
-    motions = np.empty((n, d, d * (d + 1) // 2))
-    motions[:, :, :d] = UNITS[d] * (1.0 / sqrt(n))
-    motions[:, :, d:] = _rotation_rates(X, X)
-    return motions.reshape(n * d, -1)
+    d, n = X.shape
+    shifts = np.repeat(np.eye(d) * (1.0 / sqrt(n)), n, axis=0)
+    return np.concatenate((shifts, _rotations(_centred(X), _size(X))), axis=1)
 
 
-def _rotation_rates(X: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """Return (n, d, r) velocities of vectors under rotations that move the nodes X by about unit length."""
-    n, d = vectors.shape
-    return (vectors @ TURNS[d]).reshape(n, d, -1) * (1.0 / _size(X))
+def rigid_stiffness(X: np.ndarray) -> np.ndarray:
+    """Return R R^T, (d n, d n), of the columns R of `all_motions`, without forming them.
+
+    Rotations add up to c (I (x) X^T X) less c X_c^T X_a in block (a, c), X about its centroid, c = 1 / |X|^2.
+    """
+    d, n = X.shape
+    X = X - (np.add.reduce(X, 1) * (1.0 / n))[:, None]
+    c = 1.0 / (float(np.vdot(X, X)) or 1.0)
+    P = np.multiply.outer(X, -c * X)
+    P = P.transpose(2, 1, 0, 3).reshape(d, n, d, n)
+    on_each_axis = np.einsum("aiaj->aij", P)  # a view of P
+    on_each_axis += X.T @ (c * X) + 1.0 / n
+    return P.reshape(d * n, d * n)
+
+
+def _rotations(vectors: np.ndarray, size: float) -> np.ndarray:
+    """Return (d n, r) rates of (d, n) vectors under unit rotations, over `size`."""
+    d, n = vectors.shape
+    planes = [(i, j) for i in range(d) for j in range(i + 1, d)]
+    rates = np.zeros((d, n, len(planes)))
+    for r, (i, j) in enumerate(planes):
+        rates[i, :, r], rates[j, :, r] = vectors[j], -vectors[i]
+    return rates.reshape(d * n, -1) * (1.0 / size)
+
+
+def _centred(X: np.ndarray) -> np.ndarray:
+    return X - X.mean(axis=1)[:, None]
 
 
 def _size(X: np.ndarray) -> float:
-    return norm(X - X.mean(axis=0)) or 1.0
+    return norm(_centred(X)) or 1.0
 
 
 def _allowed(X: np.ndarray, free: np.ndarray) -> np.ndarray:
-    """Return (c, r) combinations of the c columns of `all_motions` orthonormal and at rest on supports."""
+    """Return (c, r) combinations of the c columns of `all_motions`, orthonormal and at rest on supports."""
     motions = all_motions(X)
     chosen = np.eye(motions.shape[1])
     if not free.all():

@@ -1,120 +1,207 @@
-"""A structure at one shape: the columns of the mechanics, each computed once."""
+"""A structure at one shape: the columns of the mechanics, each computed once.
+
+Everything here is in the units of a frame, axis by axis, over the nodes that can move.
+"""
 
 from functools import cached_property
 
 import numpy as np
 
 from cgff_cli.mechanics import elements, tangent
-from cgff_cli.mechanics.connectivity import Connectivity
-from cgff_cli.mechanics.equilibrium import residual
+from cgff_cli.mechanics.connectivity import connectivity
+from cgff_cli.mechanics.equilibrium import internal_forces
+from cgff_cli.mechanics.frame import Frame, frame_of
+from cgff_cli.mechanics.norms import norm
 from cgff_cli.structure import Structure
 
 
 class Mechanics:
-    """What stays the same while a structure moves."""
+    """What stays the same while a structure moves.
 
-    def __init__(self, structure: Structure):
+    start       : (d, m) the start shape        mask : (d, m) 1 in free directions, 0 in held ones, or None
+    k, l0, least : (b,)                         F    : (d, m) loads in free directions, or None
+    all, moves  : (d, n) all nodes at the start, (n,) bool: which of them have a direction to move in
+    held_work   : work that loads do at what is held
+    """
+
+    def __init__(self, structure: Structure, frame: Frame | None = None):
         self.structure = structure
-        self.connectivity = Connectivity(structure.start, structure.end, len(structure.coordinates))
+        self.frame = frame = frame or frame_of(structure)
+        self.all = X = ((structure.coordinates - frame.centre) * (1.0 / frame.length)).T
+        self.k = structure.stiffness * (1.0 / frame.stiffness)
+        self.l0 = structure.rest_lengths * (1.0 / frame.length)
+        self.kl0 = self.k * self.l0
         self.least = elements.least_extensions(structure.tension_only)
         self.all_free = bool(structure.free.all())
-        self.has_loads = bool(structure.loads.any())
-        self.dofs = np.flatnonzero(structure.free)
-        self.without_rest = np.flatnonzero(structure.rest_lengths == 0.0)
+        self.moves: np.ndarray | None = None
+        self.mask: np.ndarray | None = None
+        self.F: np.ndarray | None = None
+        self.held_work = 0.0
+        if not self.all_free:
+            self.moves = moves = np.asarray(structure.free.any(axis=1))
+            free = structure.free[moves]
+            self.mask = None if free.all() else free.T.astype(float)
+        if structure.loads.any():
+            loads = structure.loads * (1.0 / frame.force)
+            held_work = np.where(structure.free, 0.0, loads * X.T).sum()
+            self.held_work = float(held_work)
+            F = self._moving(loads)
+            self.F = F if self.mask is None else F * self.mask
+        self.start = self._moving(X.T)
+        self.connectivity = connectivity(structure.start, structure.end, X, self.moves)
+        self.fixed = self.connectivity.fixed
+        self.largest_load = 0.0 if self.F is None else float(np.abs(self.F).max(initial=0.0))
+
+    def _moving(self, vectors: np.ndarray) -> np.ndarray:
+        """Return what (n, d) nodal vectors are at the nodes that move, (d, m)."""
+        return np.ascontiguousarray((vectors if self.moves is None else vectors[self.moves]).T)
+
+    @property
+    def is_small(self) -> bool:
+        """Whether dense matrices serve."""
+        return self.connectivity.is_small
+
+    @cached_property
+    def dofs(self) -> np.ndarray:
+        """Places of the free directions in a flat (d, m) array."""
+        return np.arange(self.start.size) if self.mask is None else np.flatnonzero(self.mask)
+
+    @cached_property
+    def largest_at_start(self) -> float:
+        """The largest k l at the start: what a shape shrunk to a point is measured by."""
+        s, X = self.structure, self.all
+        return float((self.k * elements.lengths(X[:, s.start] - X[:, s.end])).max())
 
     @cached_property
     def nodal_stiffness(self) -> np.ndarray:
-        """(n,) total stiffness of each node's elements, slack or not."""
-        structure = self.structure
-        ends = np.concatenate((structure.start, structure.end))
-        return np.bincount(ends, np.tile(structure.stiffness, 2), minlength=len(structure.coordinates))
+        """(m,) total stiffness of each moving node's elements, slack or not."""
+        s = self.structure
+        own = np.bincount(s.start, self.k, len(s.free)) + np.bincount(s.end, self.k, len(s.free))
+        return own if self.moves is None else own[self.moves]
 
     @cached_property
     def scale_stiffness(self) -> np.ndarray:
-        """(n,) the same, the mean for a node without elements: what a shift is measured in is never 0."""
+        """(m,) the same, the mean for a node without elements: what a shift is measured in is never 0."""
         own = self.nodal_stiffness
-        return np.where(own > 0.0, own, own.mean())
+        return own if own.all() else np.where(own > 0.0, own, own.mean())
 
     def at(self, X: np.ndarray) -> "State":
-        """Return the state at (n, d) positions X."""
+        """Return the state at (d, m) positions X."""
         return State(self, X)
 
-    def on_free(self, vectors: np.ndarray) -> np.ndarray:
-        """Return (n, d) nodal vectors with zeros in the directions that supports hold."""
-        return vectors if self.all_free else np.where(self.structure.free, vectors, 0.0)
+    def everywhere(self, X: np.ndarray) -> np.ndarray:
+        """Return (d, n) positions of all nodes for (d, m) of those that move."""
+        if self.moves is None:
+            return X
+        full = self.all.copy()
+        full[:, self.moves] = X
+        return full
+
+    def moving(self, shape: np.ndarray) -> np.ndarray:
+        """Return (d, m) positions for a shape (n, d) about the centroid, in the user's units."""
+        return self._moving(shape * (1.0 / self.frame.length))
+
+    def shape(self, X: np.ndarray) -> np.ndarray:
+        """Return (n, d) positions of all nodes about the centroid of the start, in the user's units."""
+        return self.everywhere(X).T * self.frame.length
 
 
 class State:
-    """Columns at positions X (n, d).
+    """Columns at positions X (d, m).
 
-    V (b, d) element vectors; l, stretch, e, t, q (b,) lengths, l - l0, extensions, forces, force densities;
-    eta (n, d) out-of-balance forces, eq. (9), supports' reactions included; free_eta without them.
+    V (d, b) element vectors; l, stretch, e, t, q (b,) lengths, l - l0, extensions, forces, force densities;
+    g (d, m) gradient of the energy, -eta of eq. (9) in free directions, 0 in held ones, and its norm.
     """
 
     def __init__(self, mechanics: Mechanics, X: np.ndarray):
-        structure, connectivity = mechanics.structure, mechanics.connectivity
         self.mechanics = mechanics
         self.X = X
-        self.V = connectivity.differences(X)
-        self.l = elements.lengths(self.V)
-        self.stretch = self.l - structure.rest_lengths
+        V = mechanics.connectivity.differences(X)
+        if mechanics.fixed is not None:
+            V += mechanics.fixed
+        self.V = V
+        self.l = elements.lengths(V)
+        self.stretch = self.l - mechanics.l0
         self.e = elements.extensions(self.stretch, mechanics.least)
-        self.t = elements.forces(structure.stiffness, self.e)
+        self.t = elements.forces(mechanics.k, self.e)
         self.q = elements.force_densities(self.t, self.l)
-        if len(mechanics.without_rest):  # t = k l: the force density is k at any length, zero included
-            self.q[mechanics.without_rest] = structure.stiffness[mechanics.without_rest]
-        self.eta = residual(connectivity, self.V, self.q, structure.loads)
-        self.free_eta = mechanics.on_free(self.eta)
-
-    @property
-    def slack(self) -> np.ndarray:
-        """(b,) bool, cables shorter than their rest length, which carry nothing."""
-        return ~elements.taut(self.stretch, self.mechanics.least)
-
-    @property
-    def size(self) -> float:
-        """Largest coordinate, length and extension added up: what rounding is relative to."""
-        return float(np.abs(self.X).max()) + float(self.l.max()) + float(np.abs(self.e).max())
-
-    @property
-    def rounding(self) -> np.ndarray:
-        """(b,) how far rounding blurs each extension: by eps of its ends' coordinates, of l and of e."""
-        reach = np.abs(self.X).max(axis=1)
-        structure = self.mechanics.structure
-        far = np.maximum(reach[structure.start], reach[structure.end])
-        return elements.EPS * (far + self.l + np.abs(self.e))
-
-    @property
-    def active_stiffness(self) -> np.ndarray:
-        """(b,) stiffness k, zero for slack cables."""
-        return self.mechanics.structure.stiffness * elements.taut(self.stretch, self.mechanics.least)
-
-    @property
-    def u(self) -> np.ndarray:
-        """(b, d) unit vectors, zero for an element of no length."""
-        return tangent.unit_vectors(self.V, self.l)
+        g = internal_forces(mechanics.connectivity, V, self.q)
+        if mechanics.mask is not None:
+            g *= mechanics.mask
+        if mechanics.F is not None:
+            g -= mechanics.F
+        self.g = g
+        self.norm = norm(g)
 
     @property
     def energy(self) -> float:
         """Total potential energy: elastic energy less the work of the loads."""
-        elastic = elements.energy(self.t, self.e)
-        if not self.mechanics.has_loads:
-            return elastic
-        return elastic - float(np.vdot(self.mechanics.structure.loads, self.X))
+        elastic, F = float(elements.energy(self.t, self.e)), self.mechanics.F
+        return elastic - self.mechanics.held_work - (0.0 if F is None else float(np.vdot(F, self.X)))
 
-    def tangent_times(self, W: np.ndarray) -> np.ndarray:
-        """Return K W over the free directions, (n, d), without forming K."""
-        connectivity = self.mechanics.connectivity
-        return self.mechanics.on_free(tangent.times(connectivity, self.u, self.active_stiffness, self.q, W))
+    def rise(self, old: "State") -> float:
+        """Return how much more energy this state has, summed element by element: no totals cancel."""
+        e, F = self.e, self.mechanics.F
+        elastic = 0.5 * float((self.mechanics.k * (e - old.e)) @ (e + old.e))
+        return elastic if F is None else elastic - float(np.vdot(F, self.X - old.X))
 
-    def dense_tangent(self, q: np.ndarray | None = None, k: np.ndarray | None = None) -> np.ndarray:
-        """Return K over the free directions as a dense matrix, a fresh one each time.
+    @cached_property
+    def residual_gradient(self) -> np.ndarray:
+        """(d, m) gradient of eq. (10), H^T eta = K g, eq. (12)."""
+        return self.tangent_times(self.g)
 
-        q, k: (b,) force densities and stiffnesses to use in place of the state's own.
+    @property
+    def taut(self) -> np.ndarray:
+        """(b,) bool, not slack."""
+        return elements.taut(self.stretch, self.mechanics.least)
+
+    @property
+    def slack(self) -> np.ndarray:
+        """(b,) bool, cables shorter than their rest length, which carry nothing."""
+        return ~self.taut
+
+    @property
+    def size(self) -> float:
+        """Largest coordinate, length and extension added up: what rounding is relative to."""
+        reach = float(np.abs(self.mechanics.everywhere(self.X)).max())
+        return reach + float(self.l.max()) + float(np.abs(self.e).max())
+
+    @property
+    def rounding(self) -> np.ndarray:
+        """(b,) how far rounding blurs each extension: by eps of its ends' coordinates, of l and of e."""
+        reach = np.abs(self.mechanics.everywhere(self.X)).max(axis=0)
+        structure = self.mechanics.structure
+        far = np.maximum(reach[structure.start], reach[structure.end])
+        return elements.EPS * (far + self.l + np.abs(self.e))
+
+    def axial_weights(self, q: np.ndarray | None = None, taut: np.ndarray | None = None) -> np.ndarray:
+        """Return (b,) w = (k - q) / l^2, k = 0 where not taut: what K holds of V V^T; see mechanics.tangent.
+
+        q: nonnegative force densities in place of the state's own. Where taut, k - q = k l0 / l.
         """
-        q = self.q if q is None else q
-        k = self.active_stiffness if k is None else k
-        K = tangent.dense(self.mechanics.connectivity.dense, self.u, k, q)
-        if self.mechanics.all_free:
-            return K
-        return K[np.ix_(self.mechanics.dofs, self.mechanics.dofs)]
+        l2 = self.l * self.l
+        w = self.mechanics.kl0 / (l2 * self.l)
+        w *= self.taut if taut is None else taut
+        return w if q is None else w + (self.q - q) / l2
+
+    def tangent_times(self, Y: np.ndarray) -> np.ndarray:
+        """Return K Y, (d, m), without forming K."""
+        KY = tangent.times(self.mechanics.connectivity, self.V, self.axial_weights(), self.q, Y)
+        return KY if self.mechanics.mask is None else KY * self.mechanics.mask
+
+    def dense_tangent(self, q: np.ndarray | None = None, taut: np.ndarray | None = None) -> np.ndarray:
+        """Return K, (d m, d m), axis by axis, a fresh one; held directions keep only 1 on the diagonal.
+
+        q: (b,) nonnegative force densities to use in place of the state's own; taut: (b,) bool, likewise.
+        """
+        own = self.q if q is None else q
+        K = tangent.dense(self.mechanics.connectivity, self.V, self.axial_weights(q, taut), own)
+        if self.mechanics.mask is not None:
+            tangent.hold(K, self.mechanics.mask)
+        return K
+
+    def pull(self) -> np.ndarray:
+        """Return U q, (n, d), at all nodes, those that do not move included, in the frame's units."""
+        s, pull = self.mechanics.structure, self.V * self.q
+        n = len(s.free)
+        return np.stack([np.bincount(s.start, p, n) - np.bincount(s.end, p, n) for p in pull], axis=1)

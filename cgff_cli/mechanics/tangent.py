@@ -1,34 +1,57 @@
-"""The tangent stiffness K = d(-eta)/dX = -H, eq. (11), (12): times a vector, dense, sparse.
+"""The tangent stiffness K = d(-eta)/dX = -H, eq. (11), (12): times a vector, and dense.
 
 Element e adds the block B = (k - q) u u^T + q I between its two nodes, u its unit vector; k = 0 when slack.
+With w = (k - q) / l^2 that is w V V^T + q I, and with rho^T rho of every element written out in a row,
+
+    K_aicj = sum over e of  (w V_a V_c + q delta_ac)  rho_ei rho_ej
+
+is one product of matrices.
 """
 
 import numpy as np
 
 from cgff_cli.mechanics.connectivity import Connectivity
-from cgff_cli.mechanics.elements import TINY
 from cgff_cli.mechanics.equilibrium import equilibrium_matrix, force_density_matrix
 
 
-def unit_vectors(V: np.ndarray, l: np.ndarray) -> np.ndarray:
-    """Return (b, d) unit vectors; zero for an element of no length."""
-    return V / np.maximum(l, TINY)[:, None]
-
-
 def times(
-    connectivity: Connectivity, u: np.ndarray, k: np.ndarray, q: np.ndarray, W: np.ndarray
+    connectivity: Connectivity, V: np.ndarray, w: np.ndarray, q: np.ndarray, Y: np.ndarray
 ) -> np.ndarray:
-    """Return K W, (n, d), without forming K, eq. (12). u: (b, d), k and q: (b,), W: (n, d)."""
-    Y = connectivity.differences(W)
-    axial = (k - q) * np.einsum("ij,ij->i", u, Y)
-    return connectivity.gather(axial[:, None] * u + q[:, None] * Y)
+    """Return K Y, (d, m), without forming K, eq. (12). V: (d, b), w and q: (b,), Y: (d, m)."""
+    Z = connectivity.differences(Y)
+    axial = w * np.einsum("ab,ab->b", V, Z)
+    return connectivity.gather(axial * V + q * Z)
 
 
-def dense(rho: np.ndarray, u: np.ndarray, k: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Return K, (n d, n d), node by node, eq. (11). rho: (b, n), u: (b, d), k and q: (b,)."""
-    n, d = rho.shape[1], u.shape[1]
-    A = equilibrium_matrix(rho, u)
-    K = (A * (k - q)) @ A.T
-    same_axis = np.einsum("iaja->aij", K.reshape(n, d, n, d))  # a view of K
-    same_axis += force_density_matrix(rho, q)
+def blocks(V: np.ndarray, w: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Return (d, d, ..., b) blocks w V V^T + q I of elements. V: (d, ..., b), w and q: (..., b)."""
+    B = (w * V)[:, None] * V
+    B.reshape(-1, *q.shape)[:: len(V) + 1] += q
+    return B
+
+
+def hold(K: np.ndarray, mask: np.ndarray) -> None:
+    """Leave K, (d n, d n), nothing but 1 on the diagonal in held directions, where mask (d, n) is 0."""
+    free = mask.reshape(-1)
+    K *= free[:, None] * free
+    diagonal = K.reshape(-1)[:: len(K) + 1]
+    diagonal += 1.0 - free
+
+
+def dense(connectivity: Connectivity, V: np.ndarray, w: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Return K, (d n, d n), axis by axis, eq. (11). V: (d, b), w and q: (b,), w >= 0 in a large structure."""
+    if connectivity.is_small:
+        pairs, (d, b), n = connectivity.pairs, V.shape, len(connectivity.rho_t)
+        K = blocks(V, w, q).reshape(d * d, b) @ pairs.reshape(b, n * n)
+        return K.reshape(d, d, n, n).swapaxes(1, 2).reshape(d * n, d * n)
+    return _by_two_products(connectivity.dense(), V, w, q)
+
+
+def _by_two_products(rho_t: np.ndarray, V: np.ndarray, w: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Return K = U diag(w) U^T + I (x) D where rho^T rho of every element is too much to write out."""
+    d, n = len(V), len(rho_t)
+    A = equilibrium_matrix(rho_t, V * np.sqrt(w))
+    K = A @ A.T
+    on_each_axis = np.einsum("aiaj->aij", K.reshape(d, n, d, n))  # a view of K
+    on_each_axis += force_density_matrix(rho_t, q)
     return K

@@ -81,11 +81,10 @@ class Result:
     def residual(self) -> dict[str, float]:
         """Largest and total out-of-balance force, relative to the reference force, and its floor."""
         s = self.solution
-        relative = s.residual_max / s.reference if s.reference > 0.0 else s.residual_max
         return {
             "max": s.residual_max,
             "norm": s.residual_norm,
-            "relative": relative,
+            "relative": s.relative,
             "rounding_floor": s.floor,
             "reference_force": s.reference,
         }
@@ -130,22 +129,22 @@ class Result:
     @property
     def lengths(self) -> np.ndarray:
         """(b,) final lengths, eq. (7), in the scene's element order."""
-        return self.solution.state.l
+        return self.solution.lengths
 
     @property
     def forces(self) -> np.ndarray:
         """(b,) forces, eq. (2); tension > 0, a slack cable 0."""
-        return self.solution.state.t
+        return self.solution.forces
 
     @property
     def force_densities(self) -> np.ndarray:
         """(b,) force densities q = t / l."""
-        return self.solution.state.q
+        return self.solution.force_densities
 
     @property
     def slack(self) -> np.ndarray:
         """(b,) bool, cables shorter than their rest length."""
-        return self.solution.state.slack
+        return self.solution.slack
 
     @cached_property
     def strains(self) -> np.ndarray:
@@ -204,7 +203,7 @@ class Result:
     @property
     def reactions(self) -> dict[str, list[float]]:
         """Force each support exerts on its node, zero in directions it leaves free."""
-        held = np.where(self.structure.free, 0.0, -self.solution.state.eta)
+        held = self.solution.reactions
         names = self.source.node_names
         return {names[row]: held[row].tolist() for row in sorted(self.source.supports)}
 

@@ -24,12 +24,12 @@ def dynamic_relaxation(task: Task) -> End:
     task.trace.start()
     unknowns = Unknowns(task)
     at = unknowns.mechanics.at
-    state = at(unknowns.mechanics.structure.coordinates)
+    state = at(unknowns.mechanics.start)
     weight, steps, evaluations = _Weight(), 0, 1
     unknowns.add(steps, evaluations, state)
     while True:
         masses = weight.masses(state)
-        v = 0.5 * state.free_eta / masses
+        v = -0.5 * state.g / masses
         energy = 0.0
         while True:
             steps, evaluations = steps + 1, evaluations + 1
@@ -39,9 +39,9 @@ def dynamic_relaxation(task: Task) -> End:
             if swing < energy:
                 break
             energy = swing
-            v = v + state.free_eta / masses
+            v = v - state.g / masses
         # The peak lay between the last two steps: half way back on each (Barnes 1999).
-        state = at(state.X - 1.5 * v + 0.5 * state.free_eta / masses)
+        state = at(state.X - 1.5 * v - 0.5 * state.g / masses)
         evaluations += 1
         weight.see(energy)
 
@@ -55,12 +55,12 @@ class _Weight:
         self.waited = 0
 
     def masses(self, state: State) -> np.ndarray:
-        """Return (n, 1) masses."""
-        structure = state.mechanics.structure
-        ends = np.concatenate((structure.start, structure.end))
-        along = structure.stiffness + np.maximum(state.q, 0.0)  # slack cables too: they may tighten
-        total = np.bincount(ends, np.tile(along, 2), minlength=len(state.X))
-        return np.asarray(self.factor * total[:, None])
+        """Return (m,) masses."""
+        structure, moves = state.mechanics.structure, state.mechanics.moves
+        along = state.mechanics.k + np.maximum(state.q, 0.0)  # slack cables too: they may tighten
+        n = len(structure.free)
+        total = np.bincount(structure.start, along, n) + np.bincount(structure.end, along, n)
+        return np.asarray(self.factor * (total if moves is None else total[moves]))
 
     def see(self, peak: float) -> None:
         """Remember a peak of the kinetic energy."""

@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cgff_cli.errors import CgffError
-from cgff_cli.mechanics.connectivity import Connectivity
+from cgff_cli.mechanics.connectivity import dense
 from cgff_cli.mechanics.equilibrium import equilibrium_matrix, force_density_matrix
 from cgff_cli.rivals.symmetry import member_classes
 from cgff_cli.rivals.task import End, Task
@@ -88,15 +88,15 @@ def _rounds(task: Task, classes: np.ndarray) -> Iterator[_Form]:
     """Yield the form after every round; the last one's fault is empty if it is one."""
     structure = task.structure
     n, d = structure.coordinates.shape
-    rho = Connectivity(structure.start, structure.end, n).dense
+    rho_t = dense(structure.start, structure.end, n)
     prototype = _prototype(structure.tension_only)
     spread = _spread(classes)
     q = prototype
     for _ in range(MOST_ROUNDS):
-        X, left = coordinates(force_density_matrix(rho, q), d)
-        stresses = equilibrium_matrix(rho, rho @ X) @ spread
+        X, left = coordinates(force_density_matrix(rho_t, q), d)
+        stresses = equilibrium_matrix(rho_t, X.T @ rho_t) @ spread
         if left <= VANISHED:
-            yield _Form(X, q, _fault(X, rho, q, prototype, stresses))
+            yield _Form(X, q, _fault(X, rho_t, q, prototype, stresses))
             return
         yield _Form(X, q, f"{left:.0e} of the rank of D left after {MOST_ROUNDS} rounds")
         q = spread @ _nearest(stresses, spread.T @ prototype)
@@ -135,9 +135,11 @@ def _nearest(stresses: np.ndarray, prototype: np.ndarray) -> np.ndarray:
     return np.asarray(rows[near].T @ share[near])
 
 
-def _fault(X: np.ndarray, rho: np.ndarray, q: np.ndarray, prototype: np.ndarray, stresses: np.ndarray) -> str:
+def _fault(
+    X: np.ndarray, rho_t: np.ndarray, q: np.ndarray, prototype: np.ndarray, stresses: np.ndarray
+) -> str:
     """Return why a D of nullity d + 1 is no form after all, or nothing."""
-    lengths = np.linalg.norm(rho @ X, axis=1)
+    lengths = np.linalg.norm(X.T @ rho_t, axis=0)
     if (q * prototype <= 0.0).any():
         return "some member has the wrong sign"
     if lengths.min() <= 1e-6 * lengths.max():

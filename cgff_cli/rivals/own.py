@@ -1,30 +1,46 @@
 """CGFF itself, on the energy or on eq. (10), and the paper's Table I: the same solvers as `solve` has."""
 
+from collections.abc import Iterator
+
+import numpy as np
+
+from cgff_cli.options import SolveOptions
 from cgff_cli.rivals.task import End, Task
-from cgff_cli.solvers import cgff
-from cgff_cli.solvers import table1 as paper
-from cgff_cli.solvers.solution import Solution
-from cgff_cli.solvers.stopping import Verdict
+from cgff_cli.solvers.cgff import run_of
+from cgff_cli.solvers.descent import iterates
+from cgff_cli.solvers.rescues import onward
+from cgff_cli.solvers.run import Iterate
+from cgff_cli.solvers.table1 import TableOne
 
 
 def energy(task: Task) -> End:
     """Run CGFF on the energy."""
-    options = task.options.merged({"objective": "energy"})
-    return _ended(cgff.form_find(task.structure, options, watcher=task.trace.add))
+    return _cgff(task, task.options.merged({"objective": "energy"}))
 
 
 def residual(task: Task) -> End:
     """Run CGFF on eq. (10), half the squared residual."""
-    options = task.options.merged({"objective": "residual"})
-    return _ended(cgff.form_find(task.structure, options, watcher=task.trace.add))
+    return _cgff(task, task.options.merged({"objective": "residual"}))
 
 
 def table1(task: Task) -> End:
     """Run the paper's Table I to the letter."""
-    return _ended(paper.form_find(task.structure, task.options, watcher=task.trace.add))
+    run = TableOne(task.structure, task.options)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        X = _traced(task, run.iterates(), task.structure.coordinates.mean(axis=0))
+        return End(X, run.judged().value)
 
 
-def _ended(solution: Solution) -> End:
-    if solution.verdict is Verdict.INTERRUPTED:
-        raise KeyboardInterrupt
-    return End(solution.state.X, solution.verdict.value, solution.message)
+def _cgff(task: Task, options: SolveOptions) -> End:
+    run, _ = run_of(task.structure, options)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        X = _traced(task, iterates(run, onward))
+    return End(X, str(run.verdict))
+
+
+def _traced(task: Task, path: Iterator[Iterate], origin: np.ndarray | float = 0.0) -> np.ndarray:
+    """Show every iterate to the trace; return the last shape about the centroid of the start."""
+    for iterate in path:
+        X = iterate.state.mechanics.shape(iterate.state.X) - origin
+        task.trace.add(iterate.number, iterate.evaluations, X)
+    return X

@@ -8,9 +8,10 @@ With the q of an equilibrium it must give back that equilibrium's coordinates.
 import numpy as np
 
 from cgff_cli.errors import CgffError
-from cgff_cli.mechanics.connectivity import Connectivity
+from cgff_cli.mechanics.connectivity import DENSE_ENTRIES, dense
 from cgff_cli.mechanics.equilibrium import force_density_matrix
 from cgff_cli.rivals.task import End, Task
+from cgff_cli.structure import Structure
 
 SINGULAR = 1e-12
 """A singular value of D_ff below this share of the largest force density leaves nodes without a place."""
@@ -21,9 +22,8 @@ def schek(task: Task) -> End:
     structure, q = task.local, task.reference.force_densities
     if structure.free.all():
         raise CgffError("no supports: the force density method needs held nodes")
-    connectivity = Connectivity(structure.start, structure.end, len(structure.coordinates))
     task.trace.start()
-    D = _force_density_matrix(connectivity, q)
+    D = _force_density_matrix(structure, q)
     X = structure.coordinates.copy()
     for axis in range(X.shape[1]):
         f = np.flatnonzero(structure.free[:, axis])
@@ -36,13 +36,13 @@ def schek(task: Task) -> End:
     return End(X, "form_found", "by one linear solve per axis", q)
 
 
-def _force_density_matrix(connectivity: Connectivity, q: np.ndarray):  # type: ignore[no-untyped-def]
+def _force_density_matrix(structure: Structure, q: np.ndarray):  # type: ignore[no-untyped-def]
     """Return D, (n, n), dense for a small structure and sparse for a large one."""
-    if connectivity.is_small:
-        return force_density_matrix(connectivity.dense, q)
+    start, end, n = structure.start, structure.end, len(structure.coordinates)
+    if n * len(q) <= DENSE_ENTRIES:
+        return force_density_matrix(dense(start, end, n), q)
     from scipy.sparse import coo_array
 
-    start, end, n = connectivity.start, connectivity.end, connectivity.node_count
     rows = np.concatenate((start, end, start, end))
     columns = np.concatenate((start, end, end, start))
     return coo_array((np.concatenate((q, q, -q, -q)), (rows, columns)), shape=(n, n)).tocsr()

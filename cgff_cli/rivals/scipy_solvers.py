@@ -120,21 +120,27 @@ class System(Unknowns):
     def jacobian(self, x: np.ndarray) -> np.ndarray:
         """Return K, (m, m)."""
         self._count_jacobian()
-        return self._at(x).dense_tangent()
+        dofs = self.mechanics.dofs
+        K = self._at(x).dense_tangent() if self.mechanics.is_small else self._sparse(x).toarray()
+        return K if self.mechanics.mask is None or not self.mechanics.is_small else K[np.ix_(dofs, dofs)]
 
     def sparse_jacobian(self, x: np.ndarray) -> Any:
         """Return K as a sparse matrix; the rows of held directions are cut out."""
-        from scipy.sparse import csc_array
 
         self._count_jacobian()
-        state = self._at(x)
-        structure = self.mechanics.structure
-        pattern = TangentPattern(structure.start, structure.end, structure.free)
+        return self._sparse(x)
+
+    def _sparse(self, x: np.ndarray) -> Any:
+        """Return K over the free coordinates, in their order."""
+        from scipy.sparse import csc_array
+
+        state, mechanics = self._at(x), self.mechanics
+        pattern = TangentPattern(mechanics)
         extra = np.zeros((pattern.graph.size, pattern.d, pattern.d))
-        data = pattern.fill(state.u, state.active_stiffness, state.q, extra, 1.0)
+        data = pattern.fill(state.V, state.axial_weights(), state.q, extra, 1.0)
         K = csc_array((data, pattern.indices, pattern.indptr), shape=(pattern.size, pattern.size))
-        free = np.flatnonzero(pattern.free.reshape(-1))
-        return K.tocsr()[free][:, free]
+        by_node = np.arange(pattern.size).reshape(-1, pattern.d).T.reshape(-1)[mechanics.dofs]
+        return K.tocsr()[by_node][:, by_node]
 
     def energy_and_gradient(self, x: np.ndarray) -> tuple[float, np.ndarray]:
         """Return the potential energy and its gradient (m,)."""

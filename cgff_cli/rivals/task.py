@@ -10,7 +10,6 @@ import numpy as np
 from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.options import SolveOptions
 from cgff_cli.rivals.trace import Trace
-from cgff_cli.solvers.scaling import Frame, centred_and_scaled
 from cgff_cli.structure import Structure
 
 
@@ -71,25 +70,23 @@ class Unknowns:
     """
 
     def __init__(self, task: Task):
-        structure, frame = centred_and_scaled(task.structure)
-        self.mechanics = Mechanics(structure)
-        self.frame: Frame = frame
+        self.mechanics = Mechanics(task.structure)
         self.trace = task.trace
-        self.start: np.ndarray = structure.coordinates.reshape(-1)[self.mechanics.dofs]
+        self.start: np.ndarray = self.mechanics.start.reshape(-1)[self.mechanics.dofs]
 
     def state(self, x: np.ndarray) -> State:
-        """Return the state at free coordinates x (m,)."""
-        X = self.mechanics.structure.coordinates.copy()
+        """Return the state at free coordinates x (f,)."""
+        X = self.mechanics.start.copy()
         X.reshape(-1)[self.mechanics.dofs] = x
         return self.mechanics.at(X)
 
     def gradient(self, state: State) -> np.ndarray:
-        """Return minus the out-of-balance forces on the free coordinates, (m,)."""
-        return -state.eta.reshape(-1)[self.mechanics.dofs]
+        """Return minus the out-of-balance forces on the free coordinates, (f,)."""
+        return state.g.reshape(-1)[self.mechanics.dofs]
 
     def shape(self, state: State) -> np.ndarray:
         """Return a state's shape (n, d) in the user's units."""
-        return state.X * self.frame.length
+        return self.mechanics.shape(state.X)
 
     def add(self, iterations: int | None, evaluations: int, state: State) -> None:
         """Note a state in the trace."""

@@ -57,7 +57,7 @@ class Trace:
         self.gauge = Gauge(mechanics)
         self.by_residual: dict[float, Mark] = {}
         self.by_shape: dict[float, Mark] = {}
-        self.X = mechanics.structure.coordinates
+        self.X = mechanics.shape(mechanics.start)
         self.iterations: int | None = 0
         self.evaluations: int | None = 0
         self.begun = perf_counter()
@@ -90,14 +90,14 @@ class Trace:
         if not np.isfinite(X).all():
             return Verdict.DIVERGED
         judged = self.fit(X)
-        balance = self.gauge.measure(self.mechanics.at(judged))
-        residual = balance.residual / balance.reference if balance.reference > 0.0 else balance.residual
+        state = self.mechanics.at(self.mechanics.moving(judged))
+        residual = self.gauge.measure(state).relative
         error = None if self.distance is None else self.distance(judged)
         mark = Mark(iterations, seconds, residual, error)
         _note(self.by_residual, residual, mark)
         if error is not None:
             _note(self.by_shape, error, mark)
-        return None if self.watch is None else self.watch.judge(balance, evaluations or 0)
+        return None if self.watch is None else self.watch.judge(state, evaluations or 0)
 
 
 def _note(marks: dict[float, Mark], value: float, mark: Mark) -> None:

@@ -1,43 +1,50 @@
-"""Conjugate gradient coefficients: one function per rule, one table.
+"""Conjugate gradient directions: one function per rule, one table.
 
-g, g_old : gradients, new and old              z, z_old : the same, preconditioned (z = M^-1 g)
-d        : the old direction                   all (n, d) arrays; a rule returns the scalar cg_beta
-Every rule is the textbook's with the inner product of M^-1 (Hager and Zhang, A survey of nonlinear
-conjugate gradient methods, 2006, table 1).
+    d_k = a z_k + b d_{k-1} + c M^-1 y,     y = g_k - g_{k-1}
+
+A rule returns (a, b, c) from the new point, the old one, the old direction d, and M^-1 as a function; b is
+what the history calls beta. They are the textbook's with the inner product of M^-1 (Hager and Zhang, A
+survey of nonlinear conjugate gradient methods, 2006, table 1).
 """
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
-Rule = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray], float]
+
+class Point(NamedTuple):
+    """An iteration's gradient, z = M^-1 g, and <g, z>."""
+
+    g: np.ndarray
+    z: np.ndarray
+    gz: float
 
 
-def fletcher_reeves(
-    g: np.ndarray, z: np.ndarray, g_old: np.ndarray, z_old: np.ndarray, d: np.ndarray
-) -> float:
-    """Return <g, z> / <g_old, z_old>, the paper's choice."""
-    return _ratio(np.vdot(g, z), np.vdot(g_old, z_old))
+Solved = Callable[[np.ndarray], np.ndarray]
+Coefficients = tuple[float, float, float]
+Rule = Callable[[Point, Point, np.ndarray, Solved], Coefficients]
 
 
-def polak_ribiere_plus(
-    g: np.ndarray, z: np.ndarray, g_old: np.ndarray, z_old: np.ndarray, d: np.ndarray
-) -> float:
-    """Return max(<z, g - g_old> / <g_old, z_old>, 0)."""
-    return max(_ratio(np.vdot(z, g - g_old), np.vdot(g_old, z_old)), 0.0)
+def fletcher_reeves(new: Point, old: Point, d: np.ndarray, solved: Solved) -> Coefficients:
+    """Return beta = <g, z> / <g_old, z_old>, the paper's choice."""
+    return -1.0, _ratio(new.gz, old.gz), 0.0
 
 
-def hestenes_stiefel(
-    g: np.ndarray, z: np.ndarray, g_old: np.ndarray, z_old: np.ndarray, d: np.ndarray
-) -> float:
-    """Return <z, g - g_old> / <d, g - g_old>."""
-    y = g - g_old
-    return _ratio(np.vdot(z, y), np.vdot(d, y))
+def polak_ribiere_plus(new: Point, old: Point, d: np.ndarray, solved: Solved) -> Coefficients:
+    """Return beta = max(<z, y> / <g_old, z_old>, 0)."""
+    return -1.0, max(_ratio(np.vdot(new.z, new.g - old.g), old.gz), 0.0), 0.0
 
 
-def dai_yuan(g: np.ndarray, z: np.ndarray, g_old: np.ndarray, z_old: np.ndarray, d: np.ndarray) -> float:
-    """Return <g, z> / <d, g - g_old>."""
-    return _ratio(np.vdot(g, z), np.vdot(d, g - g_old))
+def hestenes_stiefel(new: Point, old: Point, d: np.ndarray, solved: Solved) -> Coefficients:
+    """Return beta = <z, y> / <d, y>."""
+    y = new.g - old.g
+    return -1.0, _ratio(np.vdot(new.z, y), np.vdot(d, y)), 0.0
+
+
+def dai_yuan(new: Point, old: Point, d: np.ndarray, solved: Solved) -> Coefficients:
+    """Return beta = <g, z> / <d, y>."""
+    return -1.0, _ratio(new.gz, np.vdot(d, new.g - old.g)), 0.0
 
 
 def _ratio(above: float, below: float) -> float:

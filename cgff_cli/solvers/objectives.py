@@ -1,8 +1,7 @@
 """What the loop minimises: the potential energy, or the paper's eq. (10), half the squared residual.
 
-An objective gives the value and gradient at a state, the change between two states, and a `Line`: change,
-slope and curvature along X + a d as functions of the step a. Changes are summed element by element; `noise`
-says how far rounding blurs them.
+An objective gives the value and gradient at a state, the curvature along a direction, how far rounding blurs
+a change, and a `Line`: the objective along X + a d as a function of the step a.
 """
 
 from collections.abc import Callable
@@ -12,16 +11,16 @@ import numpy as np
 
 from cgff_cli.mechanics.elements import EPS, TINY
 from cgff_cli.mechanics.norms import norm
-from cgff_cli.mechanics.state import Mechanics, State
+from cgff_cli.mechanics.state import State
 
 
 class Trial(NamedTuple):
-    """The objective at step a along a line, against its start."""
+    """A step along a line: change of the objective since its start, slope, and the state, if it is known."""
 
     step: float
     change: float
     slope: float
-    curvature: float
+    there: State | None = None
 
 
 Line = Callable[[float], Trial]
@@ -32,54 +31,52 @@ class Energy:
 
     name = "energy"
 
-    def __init__(self, mechanics: Mechanics):
-        self.mechanics = mechanics
-
     def value(self, state: State) -> float:
         """Return P."""
         return state.energy
 
     def gradient(self, state: State) -> np.ndarray:
-        """Return dP/dX over the free directions, (n, d)."""
-        return -state.free_eta
+        """Return dP/dX over the free directions, (d, m)."""
+        return state.g
 
     def change(self, old: State, new: State) -> float:
         """Return P(new) - P(old)."""
-        structure = self.mechanics.structure
-        elastic = 0.5 * float(structure.stiffness @ ((new.e - old.e) * (new.e + old.e)))
-        return (
-            elastic - float(np.vdot(structure.loads, new.X - old.X)) if self.mechanics.has_loads else elastic
-        )
+        return new.rise(old)
+
+    def size(self, state: State) -> float:
+        """Return the norm of the gradient."""
+        return state.norm
+
+    def curvature(self, state: State, d: np.ndarray) -> float:
+        """Return d.K d."""
+        return float(np.vdot(d, state.tangent_times(d)))
+
+    def noise(self, state: State) -> float:
+        """Return the rounding error to expect in a change of P."""
+        return 4.0 * norm(state.t * state.rounding)
 
     def line(self, state: State, d: np.ndarray) -> Line:
-        """Return P along X + a d; along it l^2 = A + 2 a B + a^2 C, so a trial costs O(b) and no scatter."""
-        structure, least = self.mechanics.structure, self.mechanics.least
-        W = self.mechanics.connectivity.differences(d)
-        A = state.l * state.l
-        B = np.einsum("ij,ij->i", state.V, W)
-        C = np.einsum("ij,ij->i", W, W)
-        k, l0, e0 = structure.stiffness, structure.rest_lengths, state.e
-        work = float(np.vdot(structure.loads, d)) if self.mechanics.has_loads else 0.0
+        """Return P along X + a d: by states if small, else in closed form, which tells no state.
+
+        Along it l^2 = A + 2 a B + a^2 C, so that a trial costs O(b) and no product with rho.
+        """
+        mechanics = state.mechanics
+        if mechanics.is_small:
+            return _line_of_states(self, state, d)
+        W = mechanics.connectivity.differences(d)
+        A, B, C = state.l * state.l, np.einsum("ab,ab->b", state.V, W), np.einsum("ab,ab->b", W, W)
+        k, l0, least, e0 = mechanics.k, mechanics.l0, mechanics.least, state.e
+        work = 0.0 if mechanics.F is None else float(np.vdot(mechanics.F, d))
 
         def trial(a: float) -> Trial:
             """Return the trial at step a, from three numbers per element."""
             half = B + a * C
             l = np.maximum(np.sqrt(np.maximum(A + a * (B + half), 0.0)), TINY)
-            stretch = l - l0
-            e = np.maximum(stretch, least)
-            t = k * e
-            rate = half / l
+            e = np.maximum(l - l0, least)
             change = 0.5 * float(k @ ((e - e0) * (e + e0))) - a * work
-            slope = float(t @ rate) - work
-            across = t / l
-            curvature = float((np.where(stretch >= least, k, 0.0) - across) @ (rate * rate) + across @ C)
-            return Trial(a, change, slope, curvature)
+            return Trial(a, change, float((k * e) @ (half / l)) - work)
 
         return trial
-
-    def noise(self, state: State) -> float:
-        """Return the rounding error to expect in a change of P."""
-        return 4.0 * norm(state.t * state.rounding)
 
 
 class Residual:
@@ -87,39 +84,49 @@ class Residual:
 
     name = "residual"
 
-    def __init__(self, mechanics: Mechanics):
-        self.mechanics = mechanics
-        self.largest_stiffness = float(mechanics.nodal_stiffness.max())
-
     def value(self, state: State) -> float:
         """Return f."""
-        return 0.5 * float(np.vdot(state.free_eta, state.free_eta))
+        return 0.5 * float(np.vdot(state.g, state.g))
 
     def gradient(self, state: State) -> np.ndarray:
-        """Return df/dX over the free directions, (n, d)."""
-        return -state.tangent_times(state.free_eta)
+        """Return df/dX over the free directions, (d, m)."""
+        return state.residual_gradient
 
     def change(self, old: State, new: State) -> float:
         """Return f(new) - f(old)."""
-        return 0.5 * float(np.vdot(new.free_eta - old.free_eta, new.free_eta + old.free_eta))
+        return 0.5 * float(np.vdot(new.g - old.g, new.g + old.g))
 
-    def line(self, state: State, d: np.ndarray) -> Line:
-        """Return f along X + a d; the curvature leaves out second derivatives of eta."""
+    def size(self, state: State) -> float:
+        """Return the norm of the gradient."""
+        return norm(state.residual_gradient)
 
-        def trial(a: float) -> Trial:
-            """Return the trial at step a, from the state there."""
-            there = self.mechanics.at(state.X + a * d)
-            Kd = there.tangent_times(d)
-            slope = -float(np.vdot(there.free_eta, Kd))
-            return Trial(a, self.change(state, there), slope, float(np.vdot(Kd, Kd)))
-
-        return trial
+    def curvature(self, state: State, d: np.ndarray) -> float:
+        """Return |K d|^2, without second derivatives of eta."""
+        Kd = state.tangent_times(d)
+        return float(np.vdot(Kd, Kd))
 
     def noise(self, state: State) -> float:
         """Return the rounding error to expect in a change of f: that of each force, times the force."""
-        rounding = EPS * self.largest_stiffness * (float(np.abs(state.X).max()) + float(state.l.max()))
-        return rounding * float(np.abs(state.free_eta).sum())
+        mechanics = state.mechanics
+        rounding = EPS * float(mechanics.nodal_stiffness.max()) * state.size
+        return rounding * float(np.abs(state.g).sum())
+
+    def line(self, state: State, d: np.ndarray) -> Line:
+        """Return f along X + a d."""
+        return _line_of_states(self, state, d)
 
 
 Objective = Energy | Residual
 OBJECTIVES: dict[str, type[Energy] | type[Residual]] = {"energy": Energy, "residual": Residual}
+
+
+def _line_of_states(objective: Objective, state: State, d: np.ndarray) -> Line:
+    """Return the objective along X + a d, a state for every trial."""
+
+    def trial(a: float) -> Trial:
+        """Return the trial at step a."""
+        there = state.mechanics.at(state.X + a * d)
+        slope = float(np.vdot(objective.gradient(there), d))
+        return Trial(a, objective.change(state, there), slope, there)
+
+    return trial

@@ -1,69 +1,87 @@
-"""Where a CGFF run is: shape, gradient, last direction, and what it has cost so far."""
+"""One run of CGFF: where it is, what it minimises and with what, and what it has cost so far."""
+
+from typing import NamedTuple
 
 import numpy as np
 
 from cgff_cli.mechanics.norms import norm
 from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.options import SolveOptions
-from cgff_cli.solvers.directions import RULES
-from cgff_cli.solvers.moves import Direction, Move
 from cgff_cli.solvers.objectives import OBJECTIVES
 from cgff_cli.solvers.preconditioners import choose
 from cgff_cli.solvers.preconditioners.base import Preconditioner
-from cgff_cli.solvers.scaling import Frame
-from cgff_cli.solvers.solution import History
-from cgff_cli.solvers.stopping import Balance, Gauge, Watch
+from cgff_cli.solvers.stopping import Gauge, Verdict, Watch
+
+
+class Move(NamedTuple):
+    """One step taken: |alpha d|, alpha, cg_beta, and whether the direction was reset."""
+
+    step_norm: float
+    alpha: float
+    cg_beta: float
+    restarted: bool
+
+
+START = Move(0.0, 0.0, 0.0, False)
+
+
+class Iterate(NamedTuple):
+    """Where a run is after `number` iterations, how it came there, and the evaluations so far.
+
+    value, g : the objective and its gradient (d, m)
+    """
+
+    number: int
+    state: State
+    value: float
+    g: np.ndarray
+    move: Move
+    evaluations: int
 
 
 class Run:
-    """One run of the loop: where it is, what it remembers of the last direction, and its counts."""
+    """A state and the means to improve it; the verdict is None while it goes on."""
 
     def __init__(
         self,
         mechanics: Mechanics,
-        X: np.ndarray,
-        frame: Frame,
         options: SolveOptions,
-        history: History,
+        start: State,
         preconditioner: Preconditioner | None = None,
     ):
-        self.mechanics, self.frame, self.history = mechanics, frame, history
-        self.objective = OBJECTIVES[options.objective](mechanics)
-        self.options, self.rule = options, RULES[options.cg_beta]
+        self.mechanics, self.options = mechanics, options
+        self.objective = OBJECTIVES[options.objective]()
         self.preconditioner = preconditioner or choose(mechanics, options)
-        self.gauge = Gauge(mechanics)
-        self.watch = Watch(options.tolerance, options.max_iterations)
+        self.watch = Watch(Gauge(mechanics), options.tolerance, options.max_iterations)
+        self.iterations = 0
         self.evaluations = 1
-        self.state = mechanics.at(X)
-        self.g = self.objective.gradient(self.state)
         self.escapes = self.detours = 0
-        self.last: Direction | None = None
+        self.state = start
+        self.move = START
+        self.verdict: Verdict | None = None
 
-    def at(self, X: np.ndarray) -> tuple[State, np.ndarray]:
-        """Return the state at X and the gradient there."""
-        self.evaluations += 1
-        state = self.mechanics.at(X)
-        return state, self.objective.gradient(state)
-
-    def is_energy(self) -> bool:
-        """Return whether the energy is minimised, not eq. (10)."""
+    @property
+    def minimises_energy(self) -> bool:
+        """Whether the energy is minimised, not eq. (10)."""
         return self.objective.name == "energy"
 
-    def record(self, iteration: int, balance: Balance, move: Move) -> None:
-        """Append a row to the history, in the user's units."""
-        frame, energy = self.frame, self.is_energy()
-        unit = frame.energy if energy else frame.force * frame.force
-        slope_unit = frame.force if energy else frame.force * frame.stiffness
-        self.history.add(
-            iteration,
-            self.objective.value(self.state) * unit,
-            balance.residual * frame.force,
-            norm(self.g) * slope_unit,
-            move.step_norm * frame.length,
-            move.alpha,
-            move.cg_beta,
-            self.evaluations,
-            move.restarted,
-        )
-        if self.history.watcher is not None:
-            self.history.watcher(iteration, self.evaluations, self.state.X * frame.length)
+    def at(self, X: np.ndarray) -> State:
+        """Return the state at X, counted."""
+        self.evaluations += 1
+        return self.mechanics.at(X)
+
+    def go(self, state: State, move: Move) -> None:
+        """Take a step."""
+        self.state, self.move = state, move
+        self.iterations += 1
+
+    def jump(self, X: np.ndarray, alpha: float = 0.0) -> None:
+        """Go on from another shape."""
+        step = norm(X - self.state.X)
+        self.go(self.at(X), Move(step, alpha, 0.0, True))
+
+    def iterate(self) -> Iterate:
+        """Return where the run is."""
+        state = self.state
+        value, g = self.objective.value(state), self.objective.gradient(state)
+        return Iterate(self.iterations, state, value, g, self.move, self.evaluations)

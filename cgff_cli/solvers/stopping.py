@@ -5,11 +5,13 @@ directions, `reference` the largest element force or load, `floor` the rounding 
 """
 
 from enum import StrEnum
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from cgff_cli.mechanics.elements import EPS
+from cgff_cli.mechanics.norms import norm
 from cgff_cli.mechanics.state import Mechanics, State
 
 VANISHED = 16.0
@@ -20,6 +22,9 @@ FAR = 1e100
 
 FAR_ABOVE = 1e4
 """A residual this many times a rough bound on the floor needs no exact floor to compare with."""
+
+WAIT = 8
+"""Iterations without halving the residual after which a run is stuck (12 did as well)."""
 
 PATIENCE = 3
 """Iterations at the floor without halving the residual before it counts as reached."""
@@ -59,67 +64,100 @@ class Balance(NamedTuple):
         """True where the residual is no more than rounding error."""
         return self.residual <= self.floor
 
+    @property
+    def relative(self) -> float:
+        """Residual over reference; the residual itself where there is nothing to compare it with."""
+        return self.residual / self.reference if self.reference > 0.0 else self.residual
+
 
 class Gauge:
     """Measures states of one structure; what does not change is computed once."""
 
     def __init__(self, mechanics: Mechanics):
-        structure = mechanics.structure
         self.mechanics = mechanics
-        self.ends = np.concatenate((structure.start, structure.end))
-        self.largest_stiffness = float(mechanics.nodal_stiffness.max())
-        self.largest_load = float(np.abs(structure.loads).max())
+        self.largest_stiffness = float(mechanics.nodal_stiffness.max(initial=0.0))
+        self.root = sqrt(mechanics.start.size or 1)
+        self.far_above = FAR_ABOVE * EPS * self.largest_stiffness
+        self.still = norm(mechanics.all) + float(mechanics.l0.max())
+        self.largest_load = mechanics.largest_load
+
+    def may_end(self, state: State, tolerance: float) -> bool:
+        """Return whether a residual may be within the tolerance or the floor: a cheap bound first.
+
+        Its largest component is at least the norm over the root of their number, the reference at most the
+        norm of all forces, and the floor is far below k times a size that the norm of X bounds.
+        """
+        balanced = tolerance * (norm(state.t) + self.largest_load)
+        return state.norm <= self.root * max(balanced, self.far_above * (self.still + 4.0 * norm(state.X)))
 
     def measure(self, state: State) -> Balance:
         """Return the balance of a state; the floor is left 0 while the residual is far above it."""
-        residual = float(np.abs(state.free_eta).max())
+        residual = float(np.abs(state.g).max(initial=0.0))
         reference = max(float(np.abs(state.t).max()), self.largest_load)
-        far_above = FAR_ABOVE * EPS * self.largest_stiffness * state.size
+        far_above = self.far_above * state.size
         if residual > far_above and reference > VANISHED * far_above:
             return Balance(residual, reference, 0.0, False)
         floor = self.rounding_floor(state)
-        if reference > VANISHED * floor or self.largest_load > 0.0:  # a load is exact, however small
+        nothing = VANISHED * max(floor, EPS * self.mechanics.largest_at_start)
+        if reference > nothing or self.largest_load > 0.0:  # a load is exact, however small
             return Balance(residual, reference, floor, False)
-        return Balance(residual, float((self.mechanics.structure.stiffness * state.l).max()), floor, True)
+        largest = max(float((self.mechanics.k * state.l).max()), self.mechanics.largest_at_start)
+        return Balance(residual, largest, max(floor, EPS * largest), True)
 
     def rounding_floor(self, state: State) -> float:
         """Return the rounding error of the largest residual component: its elements' forces', summed."""
-        blurred = np.tile(self.mechanics.structure.stiffness * state.rounding, 2)
-        return float(np.bincount(self.ends, blurred).max())
+        structure, blurred = self.mechanics.structure, self.mechanics.k * state.rounding
+        n = len(structure.free)
+        return float(
+            (np.bincount(structure.start, blurred, n) + np.bincount(structure.end, blurred, n)).max()
+        )
 
 
 class Watch:
-    """Asks the stopping tests once per iteration, and remembers the best balance at the floor."""
+    """Asks the stopping tests once per iteration, and remembers the best balance so far."""
 
-    def __init__(self, tolerance: float, max_iterations: int):
-        self.tolerance = tolerance
-        self.max_iterations = max_iterations
+    def __init__(self, gauge: Gauge, tolerance: float, max_iterations: int):
+        self.gauge, self.tolerance, self.max_iterations = gauge, tolerance, max_iterations
         self.best = float("inf")
         self.waited = 0
+        self.balance: Balance | None = None
 
-    def judge(self, balance: Balance, iteration: int) -> Verdict | None:
+    def judge(self, state: State, iteration: int) -> Verdict | None:
         """Return the verdict that ends the run, or None to go on.
 
         Order: diverged, converged, rounding floor (reached, and three iterations without halving it), limit.
         """
-        if not balance.residual < FAR:
+        self.balance = None
+        if not state.norm < FAR:
             return Verdict.DIVERGED
-        if balance.residual <= self.tolerance * balance.reference:
-            return Verdict.CONVERGED
-        if balance.residual <= 0.5 * self.best:
-            self.best, self.waited = balance.residual, 0
+        gauge = self.gauge
+        if gauge.may_end(state, self.tolerance):
+            self.balance = gauge.measure(state)
+            if self.balance.residual <= self.tolerance * self.balance.reference:
+                return Verdict.CONVERGED
+        if state.norm <= 0.5 * self.best:
+            self.best, self.waited = state.norm, 0
         else:
             self.waited += 1
-        if balance.at_floor and self.waited >= PATIENCE:
+        if self.waited >= PATIENCE and self.at_floor:
             return Verdict.ROUNDING_FLOOR
         return Verdict.MAX_ITERATIONS if iteration >= self.max_iterations else None
+
+    @property
+    def is_stuck(self) -> bool:
+        """Whether the balance has not halved for so long that another way is worth its price."""
+        return self.waited >= WAIT
+
+    @property
+    def at_floor(self) -> bool:
+        """Whether the state last judged is balanced to rounding."""
+        return self.balance is not None and self.balance.at_floor
 
 
 def sentence(verdict: Verdict, balance: Balance, tolerance: float) -> str:
     """Return what was reached, and which test ended the run, in one sentence."""
-    share = balance.residual / balance.reference if balance.reference > 0.0 else balance.residual
     measure = "the largest k l, as every force vanishes" if balance.vanished else "the largest force"
-    found = f"out-of-balance force {share:.1e} of {measure}"
+    found = f"out-of-balance force {balance.relative:.1e} of {measure}"
     return {
         Verdict.CONVERGED: f"equilibrium: {found}, within the tolerance {tolerance:g}",
         Verdict.ROUNDING_FLOOR: f"equilibrium to rounding: {found}, which is rounding error; "

@@ -13,13 +13,18 @@ direction that turns uphill makes alpha shrink until the test holds. However it 
 the forces: it may say that steps vanished, whatever the test claims.
 """
 
+from collections.abc import Iterator
+
 import numpy as np
 
+from cgff_cli.mechanics.frame import UNSCALED
+from cgff_cli.mechanics.norms import norm
 from cgff_cli.mechanics.state import Mechanics
 from cgff_cli.options import SolveOptions
-from cgff_cli.solvers.directions import fletcher_reeves
+from cgff_cli.solvers.directions import Point, fletcher_reeves
 from cgff_cli.solvers.objectives import Residual
-from cgff_cli.solvers.solution import History, Observer, Solution, Watcher, concluded
+from cgff_cli.solvers.run import START, Iterate, Move
+from cgff_cli.solvers.solution import History, Observer, Solution
 from cgff_cli.solvers.stopping import Gauge, Verdict
 from cgff_cli.structure import Structure
 
@@ -30,47 +35,46 @@ MOST_FAILED = 20_000
 """Trials that may fail: ten for each iteration of the default limit. With b near 1 they would never end."""
 
 
-def form_find(
-    structure: Structure,
-    options: SolveOptions,
-    observer: Observer | None = None,
-    watcher: Watcher | None = None,
-) -> Solution:
+def form_find(structure: Structure, options: SolveOptions, observer: Observer | None = None) -> Solution:
     """Return where Table I ends from the structure's start shape, judged by the forces it leaves."""
-    run = _Run(Mechanics(structure), options, History(observer, watcher))
-    try:
-        with np.errstate(over="ignore", invalid="ignore"):
-            verdict = run.judged(run.loop())
-    except KeyboardInterrupt:
-        verdict = Verdict.INTERRUPTED
-    centre = run.state.X.mean(axis=0)
-    return concluded(
-        structure, run.state.X - centre, centre, verdict, options.tolerance, run.history, run.evaluations
-    )
+    run = TableOne(structure, options)
+    history = History(run.mechanics, run.objective, observer)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        try:
+            for iterate in run.iterates():
+                history.add(iterate)
+            verdict = run.judged()
+        except KeyboardInterrupt:
+            verdict = Verdict.INTERRUPTED
+        return Solution(run.state, verdict, options.tolerance, run.evaluations, record=history)
 
 
-class _Run:
-    def __init__(self, mechanics: Mechanics, options: SolveOptions, history: History):
-        self.mechanics, self.options, self.history = mechanics, options, history
-        self.objective = Residual(mechanics)
-        self.state = mechanics.at(mechanics.structure.coordinates)
+class TableOne:
+    """One run of it, in the user's own units and place."""
+
+    def __init__(self, structure: Structure, options: SolveOptions):
+        self.mechanics, self.options = Mechanics(structure, UNSCALED), options
+        self.objective = Residual()
+        self.state = self.mechanics.at(self.mechanics.start)
         self.evaluations = 1
+        self.ending = Verdict.STEP_VANISHED
 
-    def loop(self) -> Verdict:
-        """Run Table I until its own test (told as vanished steps), or a limit, ends it."""
-        alpha, b, cg_beta, k, failed = self.options.alpha, self.options.step_factor, 0.0, 0, 0
-        f = self.objective.value(self.state)
-        g = self.objective.gradient(self.state)
+    def iterates(self) -> Iterator[Iterate]:
+        """Yield every accepted shape, the start first, until its own test or a limit ends it."""
+        alpha, b, k, failed = self.options.alpha, self.options.step_factor, 0, 0
+        f, g = self.objective.value(self.state), self.objective.gradient(self.state)
         d = -g
-        self._record(k, f, g, 0.0, 0.0, 0.0)
+        yield Iterate(k, self.state, f, g, START, self.evaluations)
         while True:
-            step = alpha * float(np.linalg.norm(d))
+            step = alpha * norm(d)
             if not step < float("inf"):
-                return Verdict.DIVERGED
+                self.ending = Verdict.DIVERGED
+                return
             if step <= self.options.eps:
-                return Verdict.STEP_VANISHED
+                return
             if k >= self.options.max_iterations or failed >= MOST_FAILED:
-                return Verdict.MAX_ITERATIONS
+                self.ending = Verdict.MAX_ITERATIONS
+                return
             there = self.mechanics.at(self.state.X + alpha * d)
             self.evaluations += 1
             f_there = self.objective.value(there)
@@ -78,15 +82,15 @@ class _Run:
                 alpha *= b
                 failed += 1
                 continue
-            self.state, f, g_old = there, f_there, g
-            g = self.objective.gradient(there)
-            cg_beta = fletcher_reeves(g, g, g_old, g_old, d)
+            old = Point(g, g, float(np.vdot(g, g)))
+            self.state, f, g = there, f_there, self.objective.gradient(there)
+            _, cg_beta, _ = fletcher_reeves(Point(g, g, float(np.vdot(g, g))), old, d, np.asarray)
             d = cg_beta * d - g
             k += 1
-            self._record(k, f, g, step, alpha, cg_beta)
+            yield Iterate(k, there, f, g, Move(step, alpha, cg_beta, False), self.evaluations)
             alpha /= b
 
-    def judged(self, ending: Verdict) -> Verdict:
+    def judged(self) -> Verdict:
         """Return what was really reached when the loop ended."""
         gauge = Gauge(self.mechanics)
         balance = gauge.measure(self.state)
@@ -96,13 +100,4 @@ class _Run:
             return Verdict.ROUNDING_FLOOR
         force = balance.residual * gauge.largest_stiffness
         flat = float(np.abs(self.objective.gradient(self.state)).max()) <= FLAT * force
-        return Verdict.STATIONARY if flat and ending is Verdict.STEP_VANISHED else ending
-
-    def _record(self, k: int, f: float, g: np.ndarray, step: float, alpha: float, cg_beta: float) -> None:
-        residual = float(np.abs(self.state.free_eta).max())
-        norm = float(np.linalg.norm(g))
-        self.history.add(k, f, residual, norm, step, alpha, cg_beta, self.evaluations, False)
-        if self.history.watcher is not None:
-            self.history.watcher(
-                k, self.evaluations, self.state.X - self.mechanics.structure.coordinates.mean(axis=0)
-            )
+        return Verdict.STATIONARY if flat and self.ending is Verdict.STEP_VANISHED else self.ending

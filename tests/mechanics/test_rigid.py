@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from cgff_cli.mechanics.rigid import rigid_motions
-from cgff_cli.mechanics.state import Mechanics
+from cgff_cli.mechanics.connectivity import dense
+from cgff_cli.mechanics.rigid import all_motions, idle_motions, rigid_motions, rigid_stiffness
 from tests.bodies import random_body
+from tests.states import state_of
 
 PLANE = np.random.default_rng(1).uniform(-1.0, 1.0, (5, 2))
 SPACE = np.random.default_rng(2).uniform(-1.0, 1.0, (5, 3))
@@ -19,7 +20,7 @@ def motions(X: np.ndarray, supports: dict[int, str] | None = None) -> tuple[np.n
     free = np.ones(X.shape, dtype=bool)
     for row, axes in (supports or {}).items():
         free[row, ["xyz".index(axis) for axis in axes]] = False
-    return rigid_motions(X, free), free
+    return rigid_motions(X.T, free.T), free.T
 
 
 @pytest.mark.parametrize(
@@ -63,18 +64,42 @@ def test_to_first_order_rigid_motions_change_no_length(d, supports):
     structure = random_body(5, d, held=False, loaded=False)
     R, free = motions(structure.coordinates, supports)
     assert R.shape[1] > 0
-    connectivity = Mechanics(structure).connectivity
-    V = connectivity.differences(structure.coordinates)
+    rho_t = dense(structure.start, structure.end, len(structure.coordinates))
+    V = structure.coordinates.T @ rho_t
     for column in R.T:
         velocity = np.zeros(free.shape)
         velocity[free] = column
-        rates = (V * connectivity.differences(velocity)).sum(axis=1)
-        assert rates == pytest.approx(np.zeros(len(V)), abs=1e-14)
+        rates = (V * (velocity @ rho_t)).sum(axis=0)
+        assert rates == pytest.approx(np.zeros(len(rates)), abs=1e-14)
 
 
 def test_without_loads_a_free_body_in_balance_or_not_feels_no_force_along_a_rigid_motion():
     structure = random_body(6, 3, held=False, loaded=False)
     R, _ = motions(structure.coordinates)
-    eta = Mechanics(structure).at(structure.coordinates).eta.reshape(-1)
+    eta = -state_of(structure).g.reshape(-1)
     assert np.abs(eta).max() > 0.1
     assert R.T @ eta == pytest.approx(np.zeros(6), abs=1e-14)
+
+
+@pytest.mark.parametrize("X", [PLANE, SPACE, LINE_3, POINT * 0.0], ids=["plane", "space", "line", "point"])
+def test_the_stiffness_of_rigid_motions_is_the_product_of_all_of_them(X):
+    R = all_motions(X.T)
+    assert rigid_stiffness(X.T) == pytest.approx(R @ R.T, abs=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("supports", "load", "idle"),
+    [
+        ({}, (0.0, 0.0, 0.0), 6),  # without loads every rigid motion
+        ({0: "xyz"}, (0.0, 0.0, 0.0), 3),
+        ({0: "xyz"}, (0.0, 0.0, 1e-20), 1),  # but what turns a load, however small: all but about its axis
+        ({0: "xyz", 1: "xyz"}, (0.0, 0.0, 1.0), 0),
+    ],
+)
+def test_a_rigid_motion_is_idle_where_it_turns_no_force(supports, load, idle):
+    free = np.ones(SPACE.shape, dtype=bool)
+    for row, axes in supports.items():
+        free[row, ["xyz".index(axis) for axis in axes]] = False
+    F = np.zeros(SPACE.shape)
+    F[2] = load
+    assert idle_motions(SPACE.T, free.T, F.T, 0.0).shape[1] == idle

@@ -8,6 +8,7 @@ import pytest
 
 from cgff_cli import loads, solve
 from cgff_cli.report.result import Result
+from cgff_cli.solvers.solution import Solution
 
 TRIANGLE = """\
 name: triangle
@@ -21,6 +22,15 @@ loads: {"b, \\"c\\"": [0.25, 0.125]}
 """
 
 MakeResult = Callable[..., Result]
+
+
+def _changed(solution: Solution, changes: dict[str, Any]) -> Solution:
+    """Return a solution with other fields, or other values of what it works out."""
+    own = {name: value for name, value in changes.items() if name in Solution.__dataclass_fields__}
+    made = {name: property(lambda self, value=changes[name]: value) for name in changes if name not in own}
+    changed = replace(solution, **own)
+    object.__setattr__(changed, "__class__", type("Changed", (Solution,), made))
+    return changed
 
 
 @pytest.fixture(scope="session")
@@ -37,7 +47,7 @@ def altered(triangle: Result) -> MakeResult:
         return replace(
             triangle,
             source=replace(triangle.source, name=name),
-            solution=replace(triangle.solution, **changes),
+            solution=_changed(triangle.solution, changes),
             analysis=triangle.analysis if analysis is None else analysis,
         )
 

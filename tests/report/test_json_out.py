@@ -71,8 +71,8 @@ def test_numbers_read_back_as_the_same_double(altered: MakeResult):
 
 
 def test_zeros_of_one_column_keep_their_signs(altered: MakeResult, triangle: Result):
-    state = triangle.solution.state.mechanics.at(np.array([[0.0, 1.0], [-0.0, 2.0], [0.0, 3.0]]))
-    nodes = json.loads(_pretty(altered(state=state, centre=np.array([-0.0, -0.0]))))["nodes"]
+    shape = np.array([[0.0, 1.0], [-0.0, 2.0], [0.0, 3.0]])
+    nodes = json.loads(_pretty(altered(coordinates=shape)))["nodes"]
     assert [math.copysign(1.0, x) for x, _ in nodes.values()] == [1.0, -1.0, 1.0]
 
 
@@ -88,7 +88,7 @@ def test_what_is_no_number_is_null_anywhere(altered: MakeResult, odd: float):
 
 
 def test_what_is_no_number_is_null_in_the_long_tables(altered: MakeResult, triangle: Result):
-    state = triangle.solution.state.mechanics.at(triangle.coordinates + np.array([math.nan, 0.0]))
+    state = triangle.solution.mechanics.at(np.full_like(triangle.solution.state.X, math.nan))
     read = json.loads(_pretty(altered(state=state)), parse_constant=pytest.fail)
     free = triangle.structure.free[:, 0]  # what is held is a number all the same
     assert [position[0] is None for position in read["nodes"].values()] == free.tolist()

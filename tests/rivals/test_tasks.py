@@ -10,7 +10,7 @@ from cgff_cli.options import SolveOptions
 from cgff_cli.rivals.scipy_solvers import System
 from cgff_cli.rivals.task import Reference, Task, centred
 from cgff_cli.rivals.trace import Stop, Trace
-from cgff_cli.solvers.stopping import Watch
+from cgff_cli.solvers.stopping import Gauge, Watch
 from tests.bodies import random_body
 
 
@@ -42,7 +42,7 @@ def test_a_shape_without_finite_size_ends_the_run():
 
 def test_evaluations_are_limited():
     structure = random_body(1)
-    trace = trace_of(structure, Watch(1e-12, 5))
+    trace = trace_of(structure, Watch(Gauge(Mechanics(structure)), 1e-12, 5))
     trace.add(4, 4, centred(structure).coordinates)
     with pytest.raises(Stop) as stop:
         trace.add(5, 5, centred(structure).coordinates)

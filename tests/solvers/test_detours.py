@@ -1,11 +1,16 @@
-"""Narrow valleys: a stiff element that has far to swing under a small load."""
+"""Narrow valleys: a stiff element that has far to swing, and cables that hardly carry anything."""
 
 import numpy as np
 import pytest
 
+import cgff_cli
+from cgff_cli.mechanics.state import Mechanics
 from cgff_cli.options import SolveOptions
 from cgff_cli.solvers.cgff import form_find
-from cgff_cli.solvers.softening import GROWTH, softened
+from cgff_cli.solvers.continuation import GROWTH, mixed, stages
+from cgff_cli.solvers.preconditioners import tangent
+from cgff_cli.solvers.run import Run
+from cgff_cli.structure import from_scene
 from tests.bodies import body
 
 
@@ -29,16 +34,48 @@ def test_stiff_and_soft_links_in_turn_hang_in_balance():
     assert found.verdict.converged
     assert found.iterations < 200
     stiff = np.array([row % 2 == 1 for row in range(12)])
-    assert found.state.l[stiff] == pytest.approx(np.full(6, 0.55), abs=1e-6)
+    assert found.lengths[stiff] == pytest.approx(np.full(6, 0.55), abs=1e-6)
 
 
 def test_stages_go_from_soft_to_stiff_and_leave_soft_elements_alone():
     structure = body([[0, 0], [1, 0], [2, 0]], [(0, 1, "strut", 1.0, 1.0), (1, 2, "strut", 1e6, 1.0)])
-    stages = [stage.stiffness for stage in softened(structure)]
-    assert [float(k[1]) for k in stages] == pytest.approx([1.0, GROWTH, GROWTH**2], rel=0.02)
-    assert stages[-1][0] == pytest.approx(1.0, rel=1e-3)
+    softer = [stage.stiffness for stage in stages(structure)]
+    assert [float(k[1]) for k in softer] == pytest.approx([1.0, GROWTH, GROWTH**2], rel=0.02)
+    assert softer[-1][0] == pytest.approx(1.0, rel=1e-3)
 
 
 def test_a_structure_of_one_stiffness_and_no_load_needs_no_detour():
     square = body([[0, 0], [1, 0], [1, 1]], [(0, 1, "strut", 2.0, 1.0), (1, 2, "strut", 2.0, 1.0)])
-    assert list(softened(square)) == []
+    assert list(stages(square)) == []
+
+
+def mixed_from_the_start(structure) -> "tuple[Run, np.ndarray | None]":
+    mechanics = Mechanics(structure)
+    run = Run(mechanics, SolveOptions(), mechanics.at(mechanics.start))
+    return run, mixed(run, tangent(mechanics, False, "superlu"))
+
+
+@pytest.mark.parametrize("prestress", [10.0, 0.1, 1e-3, 1e-5])
+def test_forces_as_unknowns_find_a_net_however_little_it_is_strained(prestress):
+    net = from_scene(cgff_cli.new("net", side=12, prestress=prestress, jitter=0.01, seed=2))
+    run, X = mixed_from_the_start(net)
+    assert X is not None
+    assert run.evaluations < 45
+    state = run.mechanics.at(X)
+    assert np.abs(state.g).max() <= 1e-5 * state.t.max()
+
+
+def test_they_find_which_of_two_crossed_cables_is_slack():
+    # A braced panel pushed sideways: one diagonal carries, the other is slack.
+    points = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+    bars = [(0, 3, "strut", 50.0, 1.0), (1, 2, "strut", 50.0, 1.0), (3, 2, "strut", 50.0, 1.0)]
+    bars += [(0, 2, "cable", 10.0, 2.0**0.5), (1, 3, "cable", 10.0, 2.0**0.5)]
+    run, X = mixed_from_the_start(body(points, bars, {0: "xy", 1: "xy"}, {3: (1.0, 0.0)}))
+    assert X is not None
+    assert run.mechanics.at(X).slack.tolist() == [False] * 4 + [True]
+
+
+def test_a_saddle_is_no_answer():
+    upright = body([[0.0, 0.0], [0.0, 0.999]], [(0, 1, "strut", 100.0, 1.0)], {0: "xy"}, {1: (0.0, -0.1)})
+    _, X = mixed_from_the_start(upright)
+    assert X is None or X[1, 0] < 0.0

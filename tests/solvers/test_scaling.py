@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import cgff_cli
+from cgff_cli.mechanics.state import Mechanics
 from cgff_cli.options import SolveOptions
 from cgff_cli.solvers.cgff import form_find
-from cgff_cli.solvers.scaling import centred_and_scaled
 from cgff_cli.structure import Structure, from_scene
 from tests.solvers.scenes import SHIPPED, shipped
 
@@ -46,11 +46,12 @@ def test_units_that_differ_by_powers_of_two_give_the_same_bits(name, objective, 
 @pytest.mark.parametrize(("factor", "units"), [(1.0, 1.0), (1e6, 1e-9), (1e-25, 1e25), (1e25, 1e-25)])
 def test_the_frame_brings_size_and_stiffness_to_between_one_and_two(factor, units):
     structure = in_units(from_scene(shipped("prism")), factor, units)
-    scaled, frame = centred_and_scaled(structure)
-    assert 1.0 <= max(np.abs(scaled.coordinates).max(), scaled.rest_lengths.max()) < 2.0
-    assert 1.0 <= scaled.stiffness.max() < 2.0
+    mechanics = Mechanics(structure)
+    frame = mechanics.frame
+    assert 1.0 <= max(np.abs(mechanics.start).max(), mechanics.l0.max()) < 2.0
+    assert 1.0 <= mechanics.k.max() < 2.0
     assert np.log2([frame.length, frame.stiffness]) % 1.0 == pytest.approx([0.0, 0.0])
-    assert scaled.coordinates * frame.length + frame.centre == pytest.approx(structure.coordinates)
+    assert mechanics.shape(mechanics.start) + frame.centre == pytest.approx(structure.coordinates)
 
 
 @pytest.mark.parametrize("offset", [1e6, 1e9])

@@ -75,7 +75,7 @@ def study(side, prestress, arguments):
     for factor, seconds, found in runs:
         print(
             f"{side:5} {len(structure.start):8} {prestress:9g} {factor:8} {found.verdict:14}"
-            f" {found.iterations:10} {found.factorizations:7} {int(found.state.slack.sum()):6}"
+            f" {found.iterations:10} {found.factorizations:7} {int(found.slack.sum()):6}"
             f" {seconds:8.3f} {linear:7.3f} {seconds / linear:6.2f}"
             f" {plain:7.3f} {seconds / plain:6.2f} {peak:5.2f}",
             flush=True,

@@ -28,18 +28,17 @@ def rivals(path):
     scene = cgff_cli.load(str(path))
     structure = from_scene(scene)
     mechanics = Mechanics(structure)
-    x0 = structure.coordinates.ravel()
-    shape = structure.coordinates.shape
+    x0, shape = mechanics.start.ravel(), mechanics.start.shape
 
     def residual(x):
-        return -mechanics.at(x.reshape(shape)).eta.ravel()
+        return mechanics.at(x.reshape(shape)).g.ravel()
 
     def jacobian(x):
         return mechanics.at(x.reshape(shape)).dense_tangent()
 
     def relative(x):
         state = mechanics.at(x.reshape(shape))
-        return np.abs(state.eta).max() / np.abs(state.t).max()
+        return np.abs(state.g).max() / np.abs(state.t).max()
 
     options = SolveOptions(analysis="never")
     return {

@@ -27,20 +27,20 @@ class ThereError(Exception):
 def lbfgs(structure, goal, limit):
     """Return seconds, evaluations and the relative residual that L-BFGS-B reached."""
     mechanics = Mechanics(structure)
-    shape = structure.coordinates.shape
+    shape = mechanics.start.shape
     start = time.perf_counter()
     seen = {"evaluations": 0, "relative": np.inf}
 
     def energy_and_gradient(x):
         state = mechanics.at(x.reshape(shape))
         seen["evaluations"] += 1
-        seen["relative"] = float(np.abs(state.eta).max() / np.abs(state.t).max())
+        seen["relative"] = float(np.abs(state.g).max() / np.abs(state.t).max())
         if seen["relative"] <= goal or time.perf_counter() - start > limit:
             raise ThereError
-        return state.energy, -state.eta.reshape(-1)
+        return state.energy, state.g.reshape(-1)
 
     options = {"maxiter": 10**7, "maxfun": 10**7, "ftol": 0.0, "gtol": 0.0, "maxcor": 20}
-    x0 = structure.coordinates.reshape(-1)
+    x0 = mechanics.start.reshape(-1)
     with suppress(ThereError):
         minimize(energy_and_gradient, x0, jac=True, method="L-BFGS-B", options=options)
     return time.perf_counter() - start, seen["evaluations"], seen["relative"]
@@ -66,7 +66,7 @@ def main():
         start = time.perf_counter()
         found = form_find(structure, SolveOptions(factor=arguments.factor))
         seconds = time.perf_counter() - start
-        error = float(np.abs(found.state.l / lengths - 1.0).max())
+        error = float(np.abs(found.lengths / lengths - 1.0).max())
         other, calls, reached = lbfgs(structure, 1e-6, arguments.limit)
         print(
             f"{stages:6} {len(lengths):8} {found.verdict:14} {found.iterations:10}"

@@ -4,7 +4,7 @@ import numpy as np
 
 from cgff_cli.mechanics.state import Mechanics
 from cgff_cli.options import SolveOptions
-from cgff_cli.solvers.preconditioners.base import Identity, Preconditioner
+from cgff_cli.solvers.preconditioners.base import Preconditioner, Tangent
 from cgff_cli.solvers.preconditioners.dense import DenseTangent
 
 
@@ -15,31 +15,36 @@ def choose(mechanics: Mechanics, options: SolveOptions) -> Preconditioner:
     tangent, which also takes over where frames make no headway.
     """
     squared = options.objective == "residual"
-    small = mechanics.connectivity.is_small
-    wants_frames = options.preconditioner == "frames" or (options.preconditioner == "auto" and not small)
     if options.preconditioner == "none" or not len(mechanics.dofs):
-        return Identity()
+        return Preconditioner()
+    wants_frames = options.preconditioner == "frames" or (
+        options.preconditioner == "auto" and not mechanics.is_small
+    )
     if wants_frames and not squared and _is_anchored_net(mechanics):
         from cgff_cli.solvers.preconditioners.frames import NodeFrames
 
         return NodeFrames(mechanics, options.factor)
-    if small:
+    return tangent(mechanics, squared, options.factor)
+
+
+def tangent(mechanics: Mechanics, squared: bool, factor: str) -> Tangent:
+    """Return the shifted tangent, dense if the scene is small."""
+    if mechanics.is_small:
         return DenseTangent(mechanics, squared)
     from cgff_cli.solvers.preconditioners.sparse import SparseTangent
 
-    return SparseTangent(mechanics, squared, options.factor)
+    return SparseTangent(mechanics, squared, factor)
 
 
 def _is_anchored_net(mechanics: Mechanics) -> bool:
     """Return whether all elements are cables, nodes held or free, and every part held somewhere."""
     structure = mechanics.structure
-    pinned = np.logical_not(structure.free.any(axis=1))
-    if not structure.tension_only.all() or np.any(pinned == structure.free.all(axis=1)):
+    if mechanics.moves is None or mechanics.mask is not None or not structure.tension_only.all():
         return False
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    n = len(pinned)
+    n = len(structure.free)
     joined = coo_array((np.ones(len(structure.start)), (structure.start, structure.end)), shape=(n, n))
     parts, label = connected_components(joined, directed=False)
-    return bool(np.bincount(label[pinned], minlength=parts).all())
+    return bool(np.bincount(label[~mechanics.moves], minlength=parts).all())

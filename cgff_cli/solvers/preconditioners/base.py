@@ -1,107 +1,125 @@
-"""What the loop asks of a preconditioner, the one that does nothing, and the shift that tangents share."""
+"""What the loop asks of a preconditioner, and answers that do nothing: plain conjugate gradients."""
 
-from typing import Protocol
+from collections.abc import Callable
 
 import numpy as np
 
-from cgff_cli.mechanics.state import State
-from cgff_cli.solvers.curvature import steepest_fall
-
-FIRST_SHIFT = 1e-3
-LEAST_SHIFT = 1e-13
-LONG_STEP, SHORT_STEP = 0.5, 0.2
+from cgff_cli.mechanics.signs import steepest_fall
+from cgff_cli.mechanics.state import Mechanics, State
 
 
-class Preconditioner(Protocol):
-    """M^-1 in z = M^-1 g."""
+class Preconditioner:
+    """M^-1 in z = M^-1 g; as it stands, M = I.
 
-    factorizations: int
-    predicts_full_steps: bool
-    """Whether a step of length 1 is the one to expect."""
+    factorizations : what it cost so far
+    is_newton      : whether a step of length 1 is the one to expect
+    has_detours    : whether a run that is stuck with it may go another way
+    """
+
+    factorizations = 0
+    is_newton = False
+    has_detours = False
 
     def better_start(self, state: State) -> State:
         """Return a state of lower energy to start from, if one is cheap to have; else `state`."""
+        return state
 
     def refresh(self, state: State) -> None:
         """Rebuild M at a state, if it is time to."""
 
     def apply(self, g: np.ndarray) -> np.ndarray:
-        """Return M^-1 g, (n, d)."""
+        """Return M^-1 g, (d, m)."""
+        return g
 
-    def adapt(self, alpha: float, shrinkage: float, excess: float) -> None:
-        """Learn from an accepted step.
-
-        alpha: its length; shrinkage: ratio of gradient norms, new over old; excess: how many times the
-        residual was above its goal before the step.
-        """
+    def adapt(self, alpha: float, shrinkage: float) -> None:
+        """Learn from an accepted step: its length, and the ratio of gradient norms, new over old."""
 
     def stiffen(self) -> None:
         """Ask for shorter, safer steps after a failed one."""
 
-    def is_beaten(self, waited: int) -> bool:
-        """Return whether the tangent should take over, `waited` iterations after the last headway."""
-
     def steepest_fall(self, state: State) -> np.ndarray | None:
-        """Return a unit direction of negative stiffness at a balanced state, or None."""
+        """Return a unit direction of negative stiffness at a balanced state, or None; of small scenes."""
+        return steepest_fall(state) if state.mechanics.is_small else None
 
 
-class Identity:
-    """M = I: plain conjugate gradients."""
+FIRST_SHIFT = 1e-3
+NEAR_SHIFT = 1e-10
+LEAST_SHIFT = 1e-13
+LONG_STEP, SHORT_STEP = 0.5, 0.2
+CAUTION = 100.0
 
-    factorizations = 0
-    predicts_full_steps = False
+GOOD_PROGRESS = 0.25
+"""A step that shrinks the gradient to this share earns M trust: another step, or no test of its signs."""
 
-    def better_start(self, state: State) -> State:
-        """Return the state itself."""
-        return state
-
-    def refresh(self, state: State) -> None:
-        """Do nothing."""
-
-    def apply(self, g: np.ndarray) -> np.ndarray:
-        """Return g."""
-        return g
-
-    def adapt(self, alpha: float, shrinkage: float, excess: float) -> None:
-        """Do nothing."""
-
-    def stiffen(self) -> None:
-        """Do nothing."""
-
-    def is_beaten(self, waited: int) -> bool:
-        """Return False."""
-        return False
-
-    def steepest_fall(self, state: State) -> np.ndarray | None:
-        """Return a unit direction of negative stiffness, or None; not looked for in large scenes."""
-        return steepest_fall(state) if state.mechanics.connectivity.is_small else None
+Solve = Callable[[np.ndarray], np.ndarray]
 
 
-class Shift:
-    """mu in M = K + mu S: a number without unit, adapted like the radius of a trust region.
+class Tangent(Preconditioner):
+    """M = K + mu S, S each node's total stiffness, or its square for eq. (10).
 
-    It falls after long steps, faster the more the gradient shrank, which makes the last iterations
-    quadratic, and rises after short ones.
+    mu is a number without unit, adapted like the radius of a trust region. It falls after long steps, faster
+    the more the gradient shrank, which makes the last iterations quadratic, and rises after short ones.
+    Where K + mu S is indefinite, far from a stable equilibrium, the negative force densities of compressed
+    elements are left out of it: what remains is positive semidefinite element by element. Raising mu past the
+    most negative stiffness instead took one iteration in ten more on the prism from random starts.
     """
 
-    def __init__(self) -> None:
+    is_newton = True
+    has_detours = True
+
+    def __init__(self, mechanics: Mechanics, squared: bool):
+        self.mechanics, self.squared = mechanics, squared
+        self.factorizations = 0
         self.mu = FIRST_SHIFT
+        self.solve: Solve | None = None
+        self.progress = float("inf")
 
-    def better_start(self, state: State) -> State:
-        """Return the state itself."""
-        return state
+    def system(
+        self,
+        X: np.ndarray,
+        V: np.ndarray,
+        w: np.ndarray,
+        q: np.ndarray,
+        shift: float,
+        *,
+        trusted: bool = False,
+    ) -> Solve | None:
+        """Return M^-1, M = sum of w V V^T + q I (see mechanics.tangent) and shift S, as a function of (d, m).
 
-    def adapt(self, alpha: float, shrinkage: float, excess: float) -> None:
+        None where M has no Cholesky factor; trusted: it need not be tried. Rigid motions that nothing resists
+        do not count, and solutions hold none of those at X.
+        """
+        raise NotImplementedError
+
+    def at(self, state: State, q: np.ndarray | None, *, trusted: bool = False) -> Solve | None:
+        """Return M^-1 at a state; q: (b,) nonnegative force densities in place of its own."""
+        own = state.q if q is None else q
+        return self.system(state.X, state.V, state.axial_weights(q), own, self.mu, trusted=trusted)
+
+    def refresh(self, state: State) -> None:
+        """Form M at a state."""
+        self.solve = self.at(state, None, trusted=self.progress < GOOD_PROGRESS)
+        while self.solve is None:
+            self.solve = self.at(state, np.maximum(state.q, 0.0))
+            self.mu *= 1.0 if self.solve else 10.0
+
+    def apply(self, g: np.ndarray) -> np.ndarray:
+        """Return M^-1 g, (d, m)."""
+        return g if self.solve is None else self.solve(g)
+
+    def adapt(self, alpha: float, shrinkage: float) -> None:
         """Lower mu after a long step, raise it after a short one."""
+        self.progress = shrinkage if alpha == 1.0 else 1.0
         if alpha > LONG_STEP:
             self.mu = max(self.mu * min(0.1, shrinkage), LEAST_SHIFT)
         elif alpha < SHORT_STEP:
             self.mu *= 10.0
 
     def stiffen(self) -> None:
-        """Raise mu a hundredfold."""
-        self.mu *= 100.0
+        """Raise mu a hundredfold, and trust nothing."""
+        self.mu *= CAUTION
+        self.progress = 1.0
 
-    def is_beaten(self, waited: int) -> bool:
-        """Return False: it is the tangent."""
-        return False
+    def settle(self) -> None:
+        """Lower mu to where an answer is near."""
+        self.mu, self.progress = NEAR_SHIFT, 1.0

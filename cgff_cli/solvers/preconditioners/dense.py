@@ -1,85 +1,102 @@
 """The shifted tangent as a dense matrix: small structures, numpy alone.
 
-M = K + mu S for the energy, K^2 + mu S^2 for eq. (10); S holds each node's total stiffness. Where K + mu S
-is indefinite, far from a stable equilibrium, the negative force densities of compressed elements are left
-out of it: what remains is positive semidefinite element by element. Raising mu past the most negative
-stiffness instead took one iteration in ten and one evaluation in four more on the prism from random starts.
-
-Rigid motions that nothing resists get a stiffness of their own: K has none there but rounding and the
-residual, of either sign, which would amplify rounding into drift or make a good tangent look indefinite.
+K has no stiffness along rigid motions that nothing resists: they get one of their own, R R^T. R may be old:
+at a balanced shape K r = 0 and <g, r> = 0 for its own rigid motions r, so that R only chooses which of them a
+step leaves out. It is renewed after short steps and where M is refused.
 """
 
 import numpy as np
 
-from cgff_cli.mechanics.rigid import all_motions, rigid_motions
+from cgff_cli.mechanics import tangent
+from cgff_cli.mechanics.rigid import rigid_motions, rigid_stiffness
 from cgff_cli.mechanics.state import Mechanics, State
-from cgff_cli.solvers.curvature import steepest_fall
-from cgff_cli.solvers.preconditioners.base import Shift
+from cgff_cli.solvers.preconditioners.base import LONG_STEP, Solve, Tangent
 
 
-class DenseTangent(Shift):
-    """M = K + mu S or K^2 + mu S^2 over the free directions."""
-
-    predicts_full_steps = True
+class DenseTangent(Tangent):
+    """M over all directions of the nodes that move; held ones keep only 1 on the diagonal."""
 
     def __init__(self, mechanics: Mechanics, squared: bool):
-        super().__init__()
-        self.dofs = None if mechanics.all_free else mechanics.dofs
-        self.free = mechanics.structure.free
-        self.squared = squared
-        self.factorizations = 0
-        S = np.repeat(mechanics.scale_stiffness, self.free.shape[1])
-        self.S = (S if self.dofs is None else S[self.dofs]) ** (2 if squared else 1)
-        self.mean_stiffness = float(mechanics.nodal_stiffness.mean())
-        held = self.dofs is not None and not rigid_motions(mechanics.structure.coordinates, self.free).size
-        self.is_afloat = not (mechanics.has_loads or held)
+        super().__init__(mechanics, squared)
+        S = np.concatenate((mechanics.scale_stiffness,) * len(mechanics.start))
+        self.S = S * S if squared else S
+        self.stiffness = float(mechanics.k.mean())
+        self.begun = False
+        self.R: np.ndarray | None = None
+        self.is_afloat = self.renew = mechanics.F is None and (
+            mechanics.all_free or self._allowed(mechanics.start).size > 0
+        )
+
+    def system(
+        self,
+        X: np.ndarray,
+        V: np.ndarray,
+        w: np.ndarray,
+        q: np.ndarray,
+        shift: float,
+        *,
+        trusted: bool = False,
+    ) -> Solve | None:
+        """Return M^-1 as a function, or None where M has no Cholesky factor."""
+        M = tangent.dense(self.mechanics.connectivity, V, w, q)
+        if self.mechanics.mask is not None:
+            tangent.hold(M, self.mechanics.mask)
+        if self.renew:
+            R = rigid_stiffness(X) if self.mechanics.all_free else self._held(X)
+            self.R, self.renew = self.stiffness * R, False
+        if self.R is not None:
+            M += self.R
+        if self.squared:
+            M = M @ M
+        diagonal = M.reshape(-1)[:: len(M) + 1]
+        diagonal += shift * self.S
+        self.factorizations += 1
+        if not (trusted or _is_positive(M)):
+            self.renew = self.is_afloat
+            return None
+        return lambda g: _solved(M, g.reshape(-1)).reshape(g.shape)
 
     def refresh(self, state: State) -> None:
-        """Form K and make M positive definite."""
-        K = state.dense_tangent()
-        R = self._idle_motions(state.X)
-        if R is not None:
-            K += self.mean_stiffness * (R @ R.T)
-        self.M = K @ K if self.squared else K
-        if self._is_indefinite():
-            self.M = state.dense_tangent(np.maximum(state.q, 0.0))
-            while self._is_indefinite():
-                self.mu *= 10.0
+        """Form M; at the start, where forces mean little, without negative force densities."""
+        if self.solve is None:
+            self.solve = self.at(state, np.maximum(state.q, 0.0))
+        if self.solve is None or self.begun:
+            super().refresh(state)
+        self.begun = True
 
-    def apply(self, g: np.ndarray) -> np.ndarray:
-        """Return M^-1 g, (n, d)."""
-        if self.dofs is None:
-            return self._solved(g.reshape(-1)).reshape(g.shape)
-        z = np.zeros(g.size)
-        z[self.dofs] = self._solved(g.reshape(-1)[self.dofs])
-        return z.reshape(g.shape)
+    def adapt(self, alpha: float, shrinkage: float) -> None:
+        """Adapt mu; a short step asks for rigid motions of the new shape."""
+        super().adapt(alpha, shrinkage)
+        self.renew = self.is_afloat and alpha < LONG_STEP
 
-    def _solved(self, b: np.ndarray) -> np.ndarray:
-        """Return M^-1 b, with more shift where M is singular to rounding though Cholesky accepted it."""
-        while True:
-            try:
-                return np.linalg.solve(self.M, b)
-            except np.linalg.LinAlgError:
-                self.mu *= 10.0
-                self._is_indefinite()
+    def _held(self, X: np.ndarray) -> np.ndarray:
+        """Return R R^T of the rigid motions that supports allow."""
+        R = self._allowed(X)
+        return R @ R.T
 
-    def steepest_fall(self, state: State) -> np.ndarray | None:
-        """Return a unit direction of negative stiffness, or None."""
-        return steepest_fall(state)
+    def _allowed(self, X: np.ndarray) -> np.ndarray:
+        """Return the rigid motions that supports allow, (d m, r), zero in held directions."""
+        mechanics = self.mechanics
+        free = mechanics.structure.free.T
+        motions = rigid_motions(mechanics.everywhere(X), free)
+        R = np.zeros((free.size, motions.shape[1]))
+        R[free.reshape(-1)] = motions
+        R = R.reshape(*free.shape, -1)
+        return (R if mechanics.moves is None else R[:, mechanics.moves]).reshape(X.size, -1)
 
-    def _idle_motions(self, X: np.ndarray) -> np.ndarray | None:
-        """Return the rigid motions as columns if there are any and nothing can resist them."""
-        if not self.is_afloat:
-            return None
-        return all_motions(X) if self.dofs is None else rigid_motions(X, self.free)
 
-    def _is_indefinite(self) -> bool:
-        """Add mu S to M and return whether a Cholesky factor is still refused."""
-        diagonal = self.M.reshape(-1)[:: len(self.M) + 1]
-        diagonal += self.mu * self.S
-        self.factorizations += 1
-        try:
-            np.linalg.cholesky(self.M)
-        except np.linalg.LinAlgError:
-            return True
+def _solved(M: np.ndarray, g: np.ndarray) -> np.ndarray:
+    """Return M^-1 g; the least squares' where M, taken on trust or by a hair's breadth, is singular."""
+    try:
+        return np.linalg.solve(M, g)
+    except np.linalg.LinAlgError:
+        return np.asarray(np.linalg.lstsq(M, g, rcond=None)[0])
+
+
+def _is_positive(M: np.ndarray) -> bool:
+    """Return whether M has a Cholesky factor."""
+    try:
+        np.linalg.cholesky(M)
+    except np.linalg.LinAlgError:
         return False
+    return True

@@ -8,139 +8,109 @@ many solutions, from which the rigid motions are then projected out.
 
 import numpy as np
 
-from cgff_cli.mechanics.norms import norm
 from cgff_cli.mechanics.pattern import TangentPattern
 from cgff_cli.mechanics.rigid import all_motions
 from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.solvers.factors import Factor, factory
-from cgff_cli.solvers.preconditioners.base import Shift
+from cgff_cli.solvers.preconditioners.base import GOOD_PROGRESS, Solve, Tangent
 
 THIN = 12
 """A factor with at most this many entries per entry of K is renewed every iteration."""
 
-GOOD_PROGRESS = 0.25
-"""A step that shrinks the gradient to this share earns the factor another one."""
+INVERSE_ITERATIONS = 30
 
 
-class SparseTangent(Shift):
-    """M = K + mu S for the energy, (K + mu S)^2 for eq. (10)."""
-
-    predicts_full_steps = True
+class SparseTangent(Tangent):
+    """M with the pattern of the structure's graph, node by node."""
 
     def __init__(self, mechanics: Mechanics, squared: bool, kind: str):
-        super().__init__()
-        structure = mechanics.structure
-        self.mechanics, self.squared = mechanics, squared
-        self.factorizations = 0
-        self.pattern = TangentPattern(structure.start, structure.end, structure.free)
+        super().__init__(mechanics, squared)
+        self.pattern = TangentPattern(mechanics)
         self.factory = factory(self.pattern.indices, self.pattern.indptr, kind)
-        self.moves = structure.free.any(axis=1)
-        self.S = mechanics.scale_stiffness[self.moves]
-        self.is_afloat = mechanics.all_free and not mechanics.has_loads
-        self.factor: Factor | None = None
-        self.keep = False
-        self.R: np.ndarray | None = None
+        self.S = mechanics.scale_stiffness
+        self.is_afloat = mechanics.all_free and mechanics.F is None
+        self.is_thick = False
 
     def refresh(self, state: State) -> None:
-        """Factor M anew unless the last factor still serves."""
-        if self.factor is not None and self.keep:
-            return
-        self.factor = self._factor(state, state.q, self.mu * self.S, definite=self.squared)
-        q = np.maximum(state.q, 0.0)
-        while self.factor is None:
-            self.factor = self._factor(state, q, self.mu * self.S)
-            self.mu *= 1.0 if self.factor else 10.0
-        self.R = all_motions(state.X) if self.is_afloat else None
+        """Form M anew unless the last one, dear to factor, still serves."""
+        if self.solve is None or not (self.is_thick and self.progress < GOOD_PROGRESS):
+            super().refresh(state)
 
-    def apply(self, g: np.ndarray) -> np.ndarray:
-        """Return M^-1 g, (n, d)."""
-        if self.factor is None:
-            return g
-        z = self.factor.solve(g[self.moves].reshape(-1))
-        if self.squared:
-            z = self.factor.solve(z)
-        full = np.zeros_like(g)
-        full[self.moves] = z.reshape(-1, g.shape[1])
-        if self.R is not None:
-            flat = full.reshape(-1)
-            flat -= self.R @ np.linalg.lstsq(self.R, flat, rcond=None)[0]
-        return self.mechanics.on_free(full)
+    def adapt(self, alpha: float, shrinkage: float) -> None:
+        """Adapt mu; progress counts at any step length."""
+        super().adapt(alpha, shrinkage)
+        self.progress = shrinkage
 
-    def adapt(self, alpha: float, shrinkage: float, excess: float) -> None:
-        """Adapt mu, and decide whether the factor is kept for another step."""
-        super().adapt(alpha, shrinkage, excess)
-        thick = self.factor is not None and self.factor.fill > THIN * len(self.pattern.indices)
-        self.keep = thick and shrinkage < GOOD_PROGRESS
+    def system(
+        self,
+        X: np.ndarray,
+        V: np.ndarray,
+        w: np.ndarray,
+        q: np.ndarray,
+        shift: float,
+        *,
+        trusted: bool = False,
+    ) -> Solve | None:
+        """Return M^-1 as a function, or None where it has no Cholesky factor."""
+        factor = self._factor(X, V, w, q, shift * self.S, trusted or self.squared)
+        if factor is None:
+            return None
+        self.is_thick = factor.fill > THIN * len(self.pattern.indices)
+        R = all_motions(X) if self.is_afloat else None
 
-    def stiffen(self) -> None:
-        """Raise mu a hundredfold and ask for a new factor."""
-        super().stiffen()
-        self.keep = False
+        def solve(g: np.ndarray) -> np.ndarray:
+            """Return M^-1 g without rigid motions of a body afloat."""
+            z = factor.solve(g.T.reshape(-1))
+            if self.squared:
+                z = factor.solve(z)
+            z = np.ascontiguousarray(z.reshape(g.shape[::-1]).T)
+            if R is not None:
+                flat = z.reshape(-1)
+                flat -= R @ np.linalg.lstsq(R, flat, rcond=None)[0]
+            return z
+
+        return solve
 
     def steepest_fall(self, state: State) -> np.ndarray | None:
         """Return a unit direction of negative stiffness, or None: by inverse iteration below zero.
 
         K has no eigenvalue below -sigma when K + sigma has a Cholesky factor; sigma is raised from doubt.
         """
-        sigma: np.ndarray = np.full(len(self.S), self._doubt(state))
-        if self._factor(state, state.q, sigma) is not None:
+        sigma = self.doubt(state)
+        if self.definite(state, sigma) is not None:
             return None
         factor = None
         while factor is None:
-            sigma = 10.0 * sigma
-            factor = self._factor(state, state.q, sigma)
+            sigma *= 10.0
+            factor = self.definite(state, sigma)
         z = np.cos(np.arange(self.pattern.size) ** 2.0)
-        for _ in range(30):
+        for _ in range(INVERSE_ITERATIONS):
             z = factor.solve(z / np.linalg.norm(z))
-        full = np.zeros_like(state.X)
-        full[self.moves] = z.reshape(-1, state.X.shape[1])
-        direction = self.mechanics.on_free(full)
-        return direction / (np.linalg.norm(direction) * np.sign(direction.flat[np.abs(direction).argmax()]))
+        d = z.reshape(state.X.shape[::-1]).T
+        d = d if self.mechanics.mask is None else d * self.mechanics.mask
+        return d / (np.linalg.norm(d) * np.sign(d.flat[np.abs(d).argmax()]))
 
-    def kind_of_balance(self, state: State, k: np.ndarray) -> str:
-        """Return "stable", "unstable" or "neutral" for a balanced state: the inertia of K either side of 0.
-
-        k: (b,) stiffnesses to take. The rigid motions of a floating body are pinned; others that supports
-        allow may be what is neutral.
-        """
-        doubt = np.full_like(self.S, self._doubt(state))
-        if self._factor(state, state.q, -doubt, k=k) is not None:
-            return "stable"
-        return "neutral" if self._factor(state, state.q, doubt, k=k) is not None else "unstable"
-
-    def refined(self, state: State) -> State:
-        """Return the state after a Newton step, or itself where K is singular or the step gains nothing."""
-        factor = self._factor(state, state.q, np.zeros_like(self.S))
-        if factor is None:
-            return state
-        step = np.zeros_like(state.X)
-        step[self.moves] = factor.solve(state.free_eta[self.moves].reshape(-1)).reshape(-1, step.shape[1])
-        there = self.mechanics.at(state.X + self.mechanics.on_free(step))
-        return there if norm(there.free_eta) < norm(state.free_eta) else state
-
-    def _doubt(self, state: State) -> float:
+    def doubt(self, state: State) -> float:
         """Return the size below which an eigenvalue of K has no sign."""
         size = float(np.abs(state.X).max()) or 1.0
-        return 1e-14 * float(self.S.max()) + float(np.abs(state.free_eta).max()) / size
+        return 1e-14 * float(self.S.max()) + float(np.abs(state.g).max()) / size
+
+    def definite(self, state: State, sigma: float, taut: np.ndarray | None = None) -> Factor | None:
+        """Return the factor of K + sigma, or None unless no eigenvalue of K is below -sigma."""
+        w = state.axial_weights(None, taut)
+        return self._factor(state.X, state.V, w, state.q, np.full_like(self.S, sigma), False)
 
     def _factor(
-        self,
-        state: State,
-        q: np.ndarray,
-        shift: np.ndarray,
-        definite: bool = False,
-        k: np.ndarray | None = None,
+        self, X: np.ndarray, V: np.ndarray, w: np.ndarray, q: np.ndarray, shift: np.ndarray, trusted: bool
     ) -> Factor | None:
-        """Return the factor of K with force densities q, stiffnesses k and a shift per node, and pins."""
-        k = state.active_stiffness if k is None else k
-        extra = shift[:, None, None] * np.eye(state.X.shape[1])
-        if self.is_afloat:
-            for node, block in _pins(state.X):
-                extra[node] += float(self.S.mean()) * block
+        """Return the factor of the sum of w V V^T + q I and a shift per node, pinned if afloat, or None."""
+        extra = shift[:, None, None] * np.eye(len(X))
         held = float(self.S.mean())
+        if self.is_afloat:
+            for node, block in _pins(X.T):
+                extra[node] += held * block
         self.factorizations += 1
-        data = self.pattern.fill(state.u, k, q, extra, held)
-        return self.factory.factor(data, definite)
+        return self.factory.factor(self.pattern.fill(V, w, q, extra, held), trusted)
 
 
 def _pins(X: np.ndarray) -> list[tuple[int, np.ndarray]]:

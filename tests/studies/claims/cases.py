@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 import cgff_cli
-from cgff_cli.mechanics.state import Mechanics
+from cgff_cli.mechanics.state import State
 from cgff_cli.options import SolveOptions
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers import cgff
@@ -42,18 +42,17 @@ def answer_of(name: str) -> Solution:
     return cgff.form_find(structure_of(name), SolveOptions(tolerance=1e-12))
 
 
-def relative_residual(mechanics: Mechanics, X: np.ndarray) -> float:
-    """Return the largest out-of-balance force component over the largest element force at X (n, d)."""
-    state = mechanics.at(X)
-    return float(np.abs(state.free_eta).max() / np.abs(state.t).max())
+def relative_residual(state: State) -> float:
+    """Return the largest out-of-balance force component over the largest element force."""
+    return float(np.abs(state.g).max() / np.abs(state.t).max())
 
 
 def random_starts(name: str, count: int) -> Iterator[np.ndarray]:
     """Yield shapes (n, d) with every coordinate within a mean element length of 0, seeds 0, 1, ..."""
     answer = answer_of(name)
-    reach = float(answer.state.l.mean())
+    reach = float(answer.lengths.mean())
     for seed in range(count):
-        yield np.random.default_rng(seed).uniform(-reach, reach, answer.state.X.shape)
+        yield np.random.default_rng(seed).uniform(-reach, reach, answer.shape.shape)
 
 
 def all_starts(name: str, count: int) -> Iterator[np.ndarray]:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 import cgff_cli
+from cgff_cli.mechanics.frame import UNSCALED
 from cgff_cli.mechanics.state import Mechanics
 from cgff_cli.solvers.objectives import Residual
 from tests.studies.claims.cases import LAWS, NAMES, answer_of, random_starts, scene_of, structure_of
@@ -35,15 +36,15 @@ def measure(count: int, segments: int) -> dict[str, Any]:
 
 def quarter_turn(law: str) -> dict[str, float]:
     """Return f at the prism's answer, at the same turned a quarter about its axis z, and half way."""
-    mechanics = Mechanics(structure_of("prism", law))
+    mechanics = Mechanics(structure_of("prism", law), UNSCALED)
     X, Y = turned_prism()
     f = {"X": X, "Y": Y, "middle": 0.5 * (X + Y)}
-    return {place: Residual(mechanics).value(mechanics.at(shape)) for place, shape in f.items()}
+    return {place: Residual().value(mechanics.at(shape.T)) for place, shape in f.items()}
 
 
 def turned_prism() -> tuple[np.ndarray, np.ndarray]:
     """Return the prism's answer about its centroid, its axis along z, and the same turned by 90 degrees."""
-    X = answer_of("prism").state.X
+    X = answer_of("prism").shape
     X = X - X.mean(axis=0)
     axis = X[3:].mean(axis=0)
     # An orthonormal basis whose last vector is the axis.
@@ -54,12 +55,12 @@ def turned_prism() -> tuple[np.ndarray, np.ndarray]:
 
 def above_the_chord(name: str, law: str, count: int) -> dict[str, int]:
     """Return how many random segments have f at their middle above the mean of f at their ends."""
-    mechanics = Mechanics(structure_of(name, law))
-    objective = Residual(mechanics)
+    mechanics = Mechanics(structure_of(name, law), UNSCALED)
+    objective = Residual()
     shapes = list(random_starts(name, 2 * count))
     above = 0
     for X, Y in zip(shapes[::2], shapes[1::2], strict=True):
-        f = [objective.value(mechanics.at(shape)) for shape in (X, 0.5 * (X + Y), Y)]
+        f = [objective.value(mechanics.at(shape.T)) for shape in (X, 0.5 * (X + Y), Y)]
         above += f[1] > 0.5 * (f[0] + f[2])
     return {"segments": count, "above": above}
 
@@ -72,9 +73,8 @@ def curvatures(name: str, law: str) -> dict[str, float]:
 
 def second_derivatives(name: str, law: str) -> np.ndarray:
     """Return them, (n d, n d), by central differences of the exact gradient."""
-    structure = structure_of(name, law)
-    mechanics = Mechanics(structure)
-    objective, X = Residual(mechanics), structure.coordinates
+    mechanics = Mechanics(structure_of(name, law), UNSCALED)
+    objective, X = Residual(), mechanics.start
     columns = []
     for dof in range(X.size):
         step = np.zeros(X.size)

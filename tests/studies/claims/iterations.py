@@ -11,10 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from cgff_cli.mechanics.state import Mechanics
 from cgff_cli.options import SolveOptions
-from cgff_cli.solvers import cgff, table1
-from cgff_cli.solvers.objectives import Residual
+from cgff_cli.solvers import cgff
+from cgff_cli.solvers.descent import iterates
+from cgff_cli.solvers.rescues import onward
+from cgff_cli.solvers.run import Iterate
+from cgff_cli.solvers.stopping import Verdict
+from cgff_cli.solvers.table1 import TableOne
 from cgff_cli.structure import Structure
 from tests.studies.claims.cases import LAWS, NAMES, all_starts, relative_residual, structure_of
 
@@ -72,19 +75,19 @@ def many_runs(name: str, law: str, count: int) -> dict[str, Any]:
 
 def one_run(structure: Structure, alpha: float, b: float) -> dict[str, Any]:
     """Return how one run of Table I ended, and (iterations, residual) at which it would for each eps."""
-    shapes: list[np.ndarray] = []
     options = SolveOptions(method="table1", alpha=alpha, step_factor=b, eps=EPS[-1], max_iterations=LIMIT)
-    end = table1.form_find(structure, options, watcher=lambda k, evaluations, X: shapes.append(X))
-    stopped = end.verdict.value in ("step_vanished", "stationary_not_equilibrium") or end.verdict.converged
-    ends = [stop_at(eps, np.array(end.history["step_norm"]), stopped) for eps in EPS]
-    mechanics = Mechanics(structure)
+    run = TableOne(structure, options)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        path = list(run.iterates())
+    stopped = run.ending is Verdict.STEP_VANISHED
+    ends = [stop_at(eps, np.array([one.move.step_norm for one in path]), stopped) for eps in EPS]
     return {
         "stopped": stopped,
-        "left": relative_residual(mechanics, shapes[-1]),
-        "iterations": end.iterations,
-        "failed_trials": end.evaluations - end.history["evaluations"][-1],
-        "uphill": stopped and slope_at_the_end(structure, shapes, end.history["beta"]) >= 0.0,
-        "by_eps": [None if k is None else (k, relative_residual(mechanics, shapes[k])) for k in ends],
+        "left": relative_residual(path[-1].state),
+        "iterations": path[-1].number,
+        "failed_trials": run.evaluations - path[-1].evaluations,
+        "uphill": stopped and slope_at_the_end(path) >= 0.0,
+        "by_eps": [None if k is None else (k, relative_residual(path[k].state)) for k in ends],
     }
 
 
@@ -99,15 +102,12 @@ def stop_at(eps: float, steps: np.ndarray, stopped: bool) -> int | None:
     return len(steps) - 1 if stopped else None
 
 
-def slope_at_the_end(structure: Structure, shapes: list[np.ndarray], betas: list[float]) -> float:
+def slope_at_the_end(path: list[Iterate]) -> float:
     """Return grad f . d for the last direction d = -grad f + beta d, followed from the start."""
-    mechanics = Mechanics(structure)
-    objective = Residual(mechanics)
-    d = np.zeros_like(shapes[0])
-    for X, beta in zip(shapes, betas, strict=True):
-        g = objective.gradient(mechanics.at(X))
-        d = beta * d - g
-    return float(np.vdot(g, d))
+    d = np.zeros_like(path[0].g)
+    for iterate in path:
+        d = iterate.move.cg_beta * d - iterate.g
+    return float(np.vdot(path[-1].g, d))
 
 
 def false_stop(name: str) -> dict[str, Any]:
@@ -120,12 +120,10 @@ def ours(name: str, objective: str, count: int) -> dict[str, Any]:
     """Return iterations of CGFF to each residual: from the own start, and median and most of all starts."""
     structure = structure_of(name)
     options = SolveOptions(objective=objective, tolerance=1e-10)
-    mechanics, rows = Mechanics(structure), []
+    rows = []
     for X in all_starts(name, count):
-        shapes: list[np.ndarray] = []
-        start = replace(structure, coordinates=X)
-        cgff.form_find(start, options, watcher=lambda k, evaluations, X, shapes=shapes: shapes.append(X))
-        left = np.array([relative_residual(mechanics, shape) for shape in shapes])
+        run, _ = cgff.run_of(replace(structure, coordinates=X), options)
+        left = np.array([relative_residual(iterate.state) for iterate in iterates(run, onward)])
         rows.append([int(np.argmax(left <= eps)) if (left <= eps).any() else None for eps in EPS])
     reached = [[row[k] for row in rows if row[k] is not None] for k in range(len(EPS))]
     return {

@@ -19,7 +19,6 @@ from scipy.optimize import fsolve, root
 from cgff_cli.mechanics.state import Mechanics
 from cgff_cli.options import SolveOptions
 from cgff_cli.solvers import cgff, table1
-from cgff_cli.solvers.scaling import centred_and_scaled
 from cgff_cli.structure import Structure
 from tests.studies.claims.cases import NAMES, all_starts, structure_of
 
@@ -45,17 +44,16 @@ class System:
     """The functions that scipy calls, centred and scaled as CGFF does it."""
 
     def __init__(self, structure: Structure, *, by_loop: bool = False):
-        self.structure, _ = centred_and_scaled(structure)
-        self.mechanics = Mechanics(self.structure)
-        self.start = self.structure.coordinates.ravel()
+        self.mechanics = Mechanics(structure)
+        self.start = self.mechanics.start.ravel()
         self.evaluations, self.tangents, self.left = 0, 0, float("inf")
         self.elements = list(
             zip(
-                self.structure.start.tolist(),
-                self.structure.end.tolist(),
-                self.structure.stiffness.tolist(),
-                self.structure.rest_lengths.tolist(),
-                self.structure.tension_only.tolist(),
+                structure.start.tolist(),
+                structure.end.tolist(),
+                self.mechanics.k.tolist(),
+                self.mechanics.l0.tolist(),
+                structure.tension_only.tolist(),
                 strict=True,
             )
         )
@@ -72,16 +70,16 @@ class System:
 
     def vectorised(self, x: np.ndarray) -> tuple[np.ndarray, float, float]:
         """Return minus the out-of-balance forces, their largest, and the largest element force."""
-        state = self.state = self.mechanics.at(x.reshape(self.structure.coordinates.shape))
-        return -state.eta.ravel(), float(np.abs(state.eta).max()), float(np.abs(state.t).max())
+        state = self.state = self.mechanics.at(x.reshape(self.mechanics.start.shape))
+        return state.g.ravel(), float(np.abs(state.g).max()), float(np.abs(state.t).max())
 
     def looped(self, x: np.ndarray) -> tuple[list[float], float, float]:
         """Return the same from a loop over the elements."""
-        d = self.structure.coordinates.shape[1]
+        d, n = self.mechanics.start.shape
         X, axes = x.tolist(), range(d)
         total, largest = [0.0] * len(X), 0.0
         for i, j, k, rest, slackens in self.elements:
-            V = [X[i * d + axis] - X[j * d + axis] for axis in axes]
+            V = [X[axis * n + i] - X[axis * n + j] for axis in axes]
             length = sqrt(sum(part * part for part in V))
             t = k * (length - rest)
             if slackens and t < 0.0:
@@ -89,14 +87,14 @@ class System:
             largest = max(largest, abs(t))
             for axis in axes:
                 pull = t / length * V[axis]
-                total[i * d + axis] += pull
-                total[j * d + axis] -= pull
+                total[axis * n + i] += pull
+                total[axis * n + j] -= pull
         return total, max(map(abs, total)), largest
 
     def jacobian(self, x: np.ndarray) -> np.ndarray:
         """Return K (m, m) at the shape last evaluated, which is where scipy asks for it."""
         self.tangents += 1
-        X = x.reshape(self.structure.coordinates.shape)
+        X = x.reshape(self.mechanics.start.shape)
         if not np.array_equal(self.state.X, X):
             self.state = self.mechanics.at(X)
         return self.state.dense_tangent()

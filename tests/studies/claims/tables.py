@@ -23,7 +23,7 @@ def one_table(name: str) -> dict[str, Any]:
     """Return nearness to the printed columns, their residuals, and the ranks at our answer."""
     table, answer = TABLES[name], answer_of(name)
     X = answer.coordinates
-    D = force_density_matrix(answer.state.mechanics.connectivity.dense, answer.state.q)
+    D = force_density_matrix(answer.mechanics.connectivity.rho_t, answer.force_densities)
     found: dict[str, Any] = {
         "largest_coordinate_difference": node_difference(X, table.cgff),
         "largest_distance_difference": distance_difference(X, table.cgff),

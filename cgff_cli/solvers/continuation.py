@@ -1,0 +1,205 @@
+"""Two ways round a narrow valley, both by Newton steps with the tangent's own pattern.
+
+**Mixed.** A cable that is slack or hardly strained is hard for any method whose only unknowns are
+coordinates: its force is a difference of lengths far below their scatter, and its on and off is a kink. With
+an extension e >= 0 and a slackness w >= 0 as unknowns of their own it is a smooth problem,
+
+    loads = rho^T diag(k e / l) rho X        l - l0 = e - w        k e w = nu -> 0
+
+(w = 0 and e of either sign in struts and cables without rest length), solved by Mehrotra's predictor and
+corrector (1992). e and w are eliminated: what is left has the tangent's pattern, k e / (e + w) in place of k.
+
+**Softened.** Where an element is stiffer than the forces on the structure by many powers of ten, the energy
+is a narrow curved valley: a straight step of angle a stretches it by l a^2 / 2, so that steps shrink with the
+root of force over stiffness. With its stiffness capped, like a spring in series, the valley is wide; raising
+the cap by stages, each started from the last one's shape, leads to the stiff structure's own equilibrium.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from cgff_cli.mechanics import elements
+from cgff_cli.mechanics.state import Mechanics, State
+from cgff_cli.solvers.descent import iterates
+from cgff_cli.solvers.preconditioners.base import Solve, Tangent
+from cgff_cli.solvers.run import Run
+from cgff_cli.solvers.saddles import escape
+from cgff_cli.structure import Structure
+
+MOST_STEPS = 40
+"""Mixed Newton steps (30 to 60 did as well)."""
+
+HANDED_OVER = 1e-6
+"""Relative residual from which the ordinary loop goes on."""
+
+SPREAD = 10.0
+"""First extensions and slacknesses lie within this factor of the one scale they are given."""
+
+TO_BOUNDARY = 0.95
+STRIDE = 0.5
+"""No element vector changes by more than this share of its rest length in a step; twice that loses scenes."""
+
+INCOMPATIBLE = 0.05
+"""l - l0 - e + w over l0 that a step may leave, or make no worse."""
+
+
+class Mixed:
+    """X (d, m), e and w (b,), and Newton steps on them."""
+
+    def __init__(self, state: State):
+        self.mechanics = m = state.mechanics
+        self.state = state
+        self.cable = (m.least == 0.0) & (m.l0 > 0.0)
+        self.unit = np.where(m.l0 > 0.0, m.l0, state.size)
+        ratio = state.l[self.cable] / m.l0[self.cable]
+        own = self.cable if self.cable.any() else np.ones_like(self.cable)
+        mu = max(float(ratio.std()), abs(float(ratio.mean()) - 1.0)) if self.cable.any() else 0.0
+        force = max(mu, 1e-3) * float(m.kl0[own].mean())
+        if m.F is not None:
+            force = min(force, float(np.abs(m.F).sum()))
+        scale, s = force / m.k, state.stretch
+        e = 0.5 * (s + np.sqrt(s * s + 4.0 * scale * scale))
+        e = np.clip(e, scale / SPREAD, scale * SPREAD)
+        free = np.where(m.l0 > 0.0, np.clip(s, -SPREAD * scale, SPREAD * scale), s)
+        self.e = np.where(self.cable, e, free)
+        self.w = np.where(self.cable, np.maximum(e - s, scale * scale / e), 0.0)
+        self.shift = 0.0
+        self.is_minimum = False
+
+    def step(self, M: Tangent, first: bool) -> bool:
+        """Take one step; False where its matrix has no factor whatever the shift."""
+        m, state, e, w, cable = self.mechanics, self.state, self.e, self.w, self.cable
+        rho = state.stretch - e + w
+        both = np.where(cable, e + w, 1.0)
+        D = np.where(cable, e / both, 1.0)
+        solve = self._system(M, D, first)
+        if solve is None:
+            return False
+        nu = m.k * e * w
+        mean = float(nu[cable].mean()) if cable.any() else 0.0
+        e0 = np.where(cable, (e * rho - e * w) / both, rho)
+        dX, dV, de, dw = self._direction(solve, D, rho, e0)
+        if mean > 0.0:
+            a = min(1.0, self._boundary(de, dw))
+            left = float((m.k * (e + a * de) * (w + a * dw))[cable].mean()) / mean
+            target = min(max(left**3, 1e-6), 0.8) * mean
+            e0 = np.where(cable, (e * rho + target / m.k - e * w - de * dw) / both, rho)
+            dX, dV, de, dw = self._direction(solve, D, rho, e0)
+        self._move(dX, dV, de, dw, float(np.abs(rho / self.unit).max()))
+        return True
+
+    def _system(self, M: Tangent, D: np.ndarray, first: bool) -> Solve | None:
+        """Return the solver of this step; a shift, and no negative forces, where it would be indefinite."""
+        m, state = self.mechanics, self.state
+        q = m.k * self.e / state.l
+        l2 = state.l * state.l
+        clipped = first or self.shift > 0.0
+        while self.shift < 1.0:
+            own = np.maximum(q, 0.0) if clipped else q
+            solve = M.system(state.X, state.V, (m.k * D - own) / l2, own, self.shift)
+            if solve is not None:
+                self.is_minimum = self.shift == 0.0 and not (first and bool((self.e < 0.0).any()))
+                return solve
+            self.shift, clipped = max(self.shift, 1e-13) * 10.0, True
+        return None
+
+    def _direction(
+        self, solve: Solve, D: np.ndarray, rho: np.ndarray, e0: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Return dX, dV, de, dw: balance with forces k (e + e0) where X stays, compatible to first order."""
+        m, state = self.mechanics, self.state
+        g = m.connectivity.gather(state.V * (m.k * (self.e + e0) / state.l))
+        if m.F is not None:
+            g = g - m.F
+        if m.mask is not None:
+            g = g * m.mask
+        dX = -solve(g)
+        dV = m.connectivity.differences(dX)
+        along = np.einsum("ab,ab->b", state.V, dV) / state.l
+        de = e0 + D * along
+        return dX, dV, de, np.where(self.cable, de - along - rho, 0.0)
+
+    def _move(self, dX: np.ndarray, dV: np.ndarray, de: np.ndarray, dw: np.ndarray, worst: float) -> None:
+        """Go as far as signs, stride and compatibility allow."""
+        m, state = self.mechanics, self.state
+        a = min(1.0, TO_BOUNDARY * self._boundary(de, dw))
+        stride = float((np.abs(dV).max(axis=0) / self.unit).max())
+        a = min(a, STRIDE / stride) if stride > 0.0 else a
+        for _ in range(8):
+            l = elements.lengths(state.V + a * dV)
+            left = l - m.l0 - (self.e + a * de) + (self.w + a * dw)
+            if float(np.abs(left / self.unit).max()) <= max(INCOMPATIBLE, 2.0 * worst):
+                break
+            a *= 0.5
+        self.state = m.at(state.X + a * dX)
+        self.e, self.w = self.e + a * de, self.w + a * dw
+        if a > 0.2:
+            self.shift = 0.0
+        elif not self.cable.all():
+            self.shift = max(3.0 * self.shift, 1e-10)
+
+    def _boundary(self, de: np.ndarray, dw: np.ndarray) -> float:
+        """Return the step to where some e or w of a cable becomes 0; infinity if none does."""
+        falls = [self.cable & (dv < 0.0) for dv in (de, dw)]
+        return min(
+            float((v[own] / -dv[own]).min(initial=float("inf")))
+            for v, dv, own in ((self.e, de, falls[0]), (self.w, dw, falls[1]))
+        )
+
+
+def mixed(run: Run, M: Tangent) -> np.ndarray | None:
+    """Return the shape (d, m) that mixed Newton steps lead to; None if it is no minimum near balance."""
+    gauge = run.watch.gauge
+    problem = Mixed(run.state)
+    for count in range(MOST_STEPS):
+        balance = gauge.measure(problem.state)
+        near = balance.relative <= max(HANDED_OVER, run.options.tolerance) or balance.at_floor
+        if near and problem.is_minimum:
+            return problem.state.X
+        if not problem.step(M, count == 0):
+            return None
+        run.evaluations += 1
+    return None
+
+
+GROWTH = 100.0
+"""The cap's growth from stage to stage."""
+
+LOOSE = 1e-3
+"""Tolerance of a stage."""
+
+STAGE_LIMIT = 200
+"""Iterations of a stage."""
+
+
+def softened(run: Run) -> np.ndarray | None:
+    """Return the shape that softer structures lead to from the run's, (d, m); None where there are none."""
+    X: np.ndarray | None = None
+    options = replace(run.options, preconditioner="tangent", tolerance=LOOSE, max_iterations=STAGE_LIMIT)
+    for softer in stages(run.mechanics.structure):
+        mechanics = Mechanics(softer, run.mechanics.frame)
+        stage = Run(mechanics, options, mechanics.at(run.state.X if X is None else X))
+        for _ in iterates(stage, escape):
+            pass
+        X = stage.state.X
+        run.evaluations += stage.evaluations
+        run.preconditioner.factorizations += stage.preconditioner.factorizations
+    return X
+
+
+def stages(structure: Structure) -> Iterator[Structure]:
+    """Yield the structure with its stiffness capped, softest first; nothing if there is no need of it.
+
+    The first cap is ten times the largest load over the structure's size; without loads, the least
+    stiffness. k' = k c / (k + c).
+    """
+    k = structure.stiffness
+    load = float(np.abs(structure.loads).max())
+    centred = structure.coordinates - structure.coordinates.mean(axis=0)
+    size = float(np.abs(centred).max()) + float(structure.rest_lengths.max())
+    cap = 10.0 * load / size if load > 0.0 else float(k.min())
+    while cap < float(k.max()):
+        yield replace(structure, stiffness=k * (cap / (k + cap)))
+        cap *= GROWTH

@@ -1,0 +1,126 @@
+"""The loop of eq. (13): preconditioned conjugate gradients.
+
+z_k = M^-1 g_k                       M: tangent stiffness, shifted until positive definite
+d_k = -z_k + beta_k d_{k-1}          beta_FR = <g, z>_k / <g, z>_{k-1}
+X_{k+1} = X_k + alpha_k d_k          alpha_k: strong Wolfe
+"""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from cgff_cli.mechanics.elements import EPS
+from cgff_cli.mechanics.norms import norm
+from cgff_cli.mechanics.state import State
+from cgff_cli.solvers.directions import RULES, Point
+from cgff_cli.solvers.line_search import ENOUGH_DECREASE, FLAT, FLAT_ENOUGH_FOR_NEWTON, Goal, strong_wolfe
+from cgff_cli.solvers.objectives import Trial
+from cgff_cli.solvers.run import Iterate, Move, Run
+from cgff_cli.solvers.stopping import Verdict
+
+LOST_CONJUGACY = 0.1
+"""Restart when <g_k, z_{k-1}> exceeds this share of <g_k, z_k> (Powell 1977, where it is 0.2)."""
+
+DOWNHILL = 0.01
+"""Restart when the slope along d is flatter than this share of the slope along -z."""
+
+MOST_FAILURES = 6
+"""Restarts with a hundredfold shift, in a row, before a vanished step is believed."""
+
+
+STATIONARY = 1e-12
+"""Gradient of eq. (10) this small against stiffness times residual is zero."""
+
+Onward = Callable[[Run], bool]
+
+
+def iterates(run: Run, onward: Onward) -> Iterator[Iterate]:
+    """Yield every iterate of a run, the start first; at its end the run has a verdict.
+
+    onward: moves a run that is stuck, or ended, to where it goes on from; False where there is no such place.
+    """
+    run.state = run.preconditioner.better_start(run.state)
+    iterate, path = run.iterate(), descent(run)
+    while True:
+        yield iterate
+        run.verdict = run.watch.judge(run.state, run.iterations) or _stationary(run)
+        is_elsewhere = (run.verdict is not None or run.watch.is_stuck) and onward(run)
+        if run.verdict is None and not is_elsewhere:
+            following = next(path, None)
+            if following is not None:
+                iterate = following
+                continue
+            run.verdict = Verdict.ROUNDING_FLOOR if run.watch.at_floor else Verdict.STEP_VANISHED
+        if not is_elsewhere:
+            return
+        run.verdict, iterate, path = None, run.iterate(), descent(run)
+
+
+def descent(run: Run) -> Iterator[Iterate]:
+    """Yield the iterates that steps of eq. (13) lead to from the present one; ends where no step is left."""
+    rule, M, gradient = RULES[run.options.cg_beta], run.preconditioner, run.objective.gradient
+    old: tuple[Point, np.ndarray] | None = None
+    failures = 0
+    while failures < (1 if run.watch.at_floor else MOST_FAILURES):
+        M.refresh(run.state)
+        g = gradient(run.state)
+        z = M.apply(g)
+        new = Point(g, z, float(np.vdot(g, z)))
+        d, slope, cg_beta, restarted = -z, -new.gz, 0.0, False
+        if old is not None:
+            restarted = abs(float(np.vdot(g, old[0].z))) > LOST_CONJUGACY * new.gz
+            if not restarted:
+                a, cg_beta, c = rule(new, *old, M.apply)
+                d = a * z + cg_beta * old[1]
+                if c != 0.0:
+                    d += c * M.apply(g - old[0].g)
+                slope = float(np.vdot(g, d))
+                restarted = slope > -DOWNHILL * new.gz
+            if restarted:
+                d, slope, cg_beta = -z, -new.gz, 0.0
+        found = _step(run, d, slope) if slope < 0.0 else None
+        if found is None:
+            old, failures = None, failures + 1
+            M.stiffen()
+            continue
+        alpha, length, there = found
+        M.adapt(alpha, run.objective.size(there) / (run.objective.size(run.state) or 1.0))
+        run.go(there, Move(length, alpha, cg_beta, restarted))
+        old, failures = (new, d), 0
+        yield run.iterate()
+
+
+def _step(run: Run, d: np.ndarray, slope: float) -> tuple[float, float, State] | None:
+    """Return a strong Wolfe step along d: alpha, its length, and the state there; None if all is rounding.
+
+    The full step is tried first; only then is the line itself searched. Where changes of the objective are
+    rounding error a full step that shrinks the gradient is as good.
+    """
+    objective, state = run.objective, run.state
+    alpha, flat = 1.0, FLAT_ENOUGH_FOR_NEWTON
+    if not run.preconditioner.is_newton:
+        curvature = objective.curvature(state, d)
+        alpha, flat = -slope / curvature if curvature > 0.0 else 1.0, FLAT
+    there = run.at(state.X + d if alpha == 1.0 else state.X + alpha * d)
+    change, slope_there = objective.change(state, there), float(np.vdot(objective.gradient(there), d))
+    if not (change <= ENOUGH_DECREASE * alpha * slope and abs(slope_there) <= -flat * slope):
+        full = Trial(alpha, change, slope_there, there)
+        found, count = strong_wolfe(objective.line(state, d), Goal(slope, objective.noise(state), flat), full)
+        run.evaluations += count
+        if found.step == 0.0 and objective.size(there) < objective.size(state):
+            found = full
+        alpha = found.step
+        there = found.there or run.at(state.X + alpha * d)
+    length = alpha * norm(d)
+    return (alpha, length, there) if length > EPS * norm(state.X) else None
+
+
+def _stationary(run: Run) -> Verdict | None:
+    """Return a verdict where eq. (10) is stationary though forces do not balance: K eta = 0, eta not 0."""
+    if run.minimises_energy:
+        return None
+    state = run.state
+    force = float(np.abs(state.g).max(initial=0.0)) * run.watch.gauge.largest_stiffness
+    if float(np.abs(run.objective.gradient(state)).max(initial=0.0)) > STATIONARY * force:
+        return None
+    return Verdict.ROUNDING_FLOOR if run.watch.at_floor else Verdict.STATIONARY
