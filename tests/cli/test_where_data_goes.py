@@ -114,7 +114,7 @@ def test_many_scenes_are_rows_of_one_table(run: Run, bad: str):
         (("--files-from", "nowhere"), "--files-from nowhere: cannot be read: No such file"),
         (("prism.yaml", "prism.yaml", "--out-dir", "d"), "a scene is given twice"),
         (("-", "-"), "standard input (-) can be read only once"),
-        ((), "Missing argument"),
+        ((), "'SCENE"),
     ],
 )
 def test_what_cannot_be_meant_is_refused_before_any_work(run: Run, arguments: tuple[str, ...], words: str):
