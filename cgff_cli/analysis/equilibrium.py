@@ -45,7 +45,8 @@ def analysed(scene: Scene, solution: Solution, options: SolveOptions) -> dict[st
     prestressed = bool(np.abs(state.t).max() > VANISHED * floor)
     small = mechanics.is_small and len(mechanics.dofs) <= SMALL
     if options.analysis == "always" or (options.analysis == "auto" and small):
-        tolerance = rank_tolerance(solution.relative)
+        # A shape that is no equilibrium stands for itself; one that is, for the exact one near by.
+        tolerance = rank_tolerance(solution.relative if solution.verdict.converged else 0.0)
         found |= rank_conditions(state, tolerance)
         if solution.verdict.converged:
             found |= stability(state, floor)

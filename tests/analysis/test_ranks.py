@@ -119,7 +119,8 @@ def test_a_prism_solved_loosely_still_shows_its_self_stress(tolerance):
 
 
 def test_ranks_are_told_of_shapes_that_are_not_balanced_too():
-    found = cgff_cli.solve(shipped("prism"), max_iterations=1).analysis
+    found = cgff_cli.solve(shipped("prism"), max_iterations=2).analysis
+    assert (found["self_stress_states"], found["mechanisms"]) == (0, 0)  # as of twelve bars anywhere
     assert found["nullity_U"] is not None
     assert np.isfinite(found["rank_tolerance"])
     assert found["stable"] is None

@@ -21,7 +21,6 @@ class DenseTangent(Tangent):
         S = np.concatenate((mechanics.scale_stiffness,) * len(mechanics.start))
         self.S = S * S if squared else S
         self.stiffness = float(mechanics.k.mean())
-        self.begun = False
         self.R: np.ndarray | None = None
         self.is_afloat = self.renew = mechanics.F is None and (
             mechanics.all_free or self._allowed(mechanics.start).size > 0
@@ -58,11 +57,11 @@ class DenseTangent(Tangent):
 
     def refresh(self, state: State) -> None:
         """Form M; at the start, where forces mean little, without negative force densities."""
-        if self.solve is None:
+        if self.solve is None and not self.squared:
             self.solve = self.at(state, np.maximum(state.q, 0.0))
-        if self.solve is None or self.begun:
-            super().refresh(state)
-        self.begun = True
+            if self.solve is not None:
+                return
+        super().refresh(state)
 
     def adapt(self, alpha: float, shrinkage: float) -> None:
         """Adapt mu; a short step asks for rigid motions of the new shape."""
