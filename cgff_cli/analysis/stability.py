@@ -7,7 +7,7 @@ import numpy as np
 
 from cgff_cli.mechanics.connectivity import dense
 from cgff_cli.mechanics.equilibrium import force_density_matrix
-from cgff_cli.mechanics.signs import shortest, spectrum
+from cgff_cli.mechanics.signs import Spectrum, shortest
 from cgff_cli.mechanics.state import State
 from cgff_cli.solvers.stopping import VANISHED
 
@@ -28,19 +28,19 @@ def stability(state: State, floor: float) -> dict[str, Any]:
     count: a pendulum is stable hanging and unstable upright. A cable whose force is within rounding (floor)
     of none resists nothing: it may be shortened for free.
     """
-    values, unsure, steps = _spectrum(state, floor)
+    found = _spectrum(state, floor)
     for _ in range(MOST_REFINEMENTS):
-        if not len(values) or _is_settled(state, float(values[0])) or state.norm <= floor:
+        if not found.count or _is_settled(state, float(found.values[0])) or state.norm <= floor:
             break
-        there = min((state.mechanics.at(state.X + step) for step in steps), key=lambda found: found.norm)
+        there = min((state.mechanics.at(state.X + s) for s in found.newton_steps()), key=lambda s: s.norm)
         if not there.norm < state.norm:
             break
         state = there
-        values, unsure, steps = _spectrum(state, floor)
-    if not len(values):
+        found = _spectrum(state, floor)
+    if not found.count:
         return {"stable": True, "stability": "stable", "smallest_stiffness": None}
-    softest = float(values[0])
-    kind = "stable" if softest > unsure else "unstable" if softest < -unsure else "neutral"
+    softest = float(found.values[0])
+    kind = "stable" if softest > found.doubt else "unstable" if softest < -found.doubt else "neutral"
     return told(kind, state, floor) | {"smallest_stiffness": softest * state.mechanics.frame.stiffness}
 
 
@@ -51,20 +51,9 @@ def told(kind: str, state: State, floor: float) -> dict[str, Any]:
     return {"stable": kind == "stable", "stability": kind}
 
 
-def _spectrum(state: State, floor: float) -> tuple[np.ndarray, float, list[np.ndarray]]:
-    """Return stiffnesses apart from idle motions, their doubt, and Newton steps.
-
-    The steps go along what has stiffness beyond rounding, and along what has it beyond doubt.
-    """
+def _spectrum(state: State, floor: float) -> Spectrum:
     blur = 0.0 if state.mechanics.mask is None else state.norm + floor
-    values, vectors, unsure = spectrum(state, resists(state, floor), blur)
-    steps = []
-    for least in unsure:
-        sure = np.abs(values) > least
-        along = vectors[:, sure]
-        step = -along @ ((along.T @ state.g.reshape(-1)) / values[sure])
-        steps.append(step.reshape(state.X.shape))
-    return values, unsure[1], steps
+    return Spectrum(state, resists(state, floor), blur)
 
 
 def _is_settled(state: State, softest: float) -> bool:

@@ -57,27 +57,41 @@ def steepest_fall(state: State) -> np.ndarray | None:
     return (d * np.sign(d[np.abs(d).argmax()])).reshape(state.X.shape)
 
 
-def spectrum(
-    state: State, taut: np.ndarray, blur: float
-) -> tuple[np.ndarray, np.ndarray, tuple[float, float]]:
-    """Return eigenvalues of K apart from idle rigid motions, their vectors, and `blurred` and `doubt`.
+class Spectrum:
+    """Stiffnesses apart from idle rigid motions, ascending, and what of them is told.
 
-    (c,) ascending; (d m, c), zero in held directions. taut: (b,) bool, elements that resist; blur: error
-    of reactions. No eigenvalues are left where nothing but idle motions can happen.
+    values : (c,) eigenvalues of K; none where nothing but idle motions can happen
+    blurred, doubt : the size that rounding hides, and the size that has no sign
     """
-    mechanics = state.mechanics
-    dofs, free = mechanics.dofs, mechanics.structure.free.T
-    K = state.dense_tangent(taut=taut)[np.ix_(dofs, dofs)]
-    unsure = blurred(K, state), doubt(K, state)
-    outer = mechanics.structure.loads.T / mechanics.frame.force
-    outer = np.where(free, outer, state.pull().T)
-    idle = idle_motions(mechanics.everywhere(state.X), free, outer, blur)
-    stiffest = norm(K)
-    K -= idle @ (idle.T @ K)
-    K -= (K @ idle) @ idle.T
-    K += 2.0 * stiffest * (idle @ idle.T)
-    values, vectors = np.linalg.eigh(K)
-    kept = len(K) - idle.shape[1]
-    full = np.zeros((state.X.size, kept))
-    full[dofs] = vectors[:, :kept]
-    return values[:kept], full, unsure
+
+    def __init__(self, state: State, taut: np.ndarray, blur: float):
+        """taut: (b,) bool, elements that resist; blur: error of reactions."""
+        mechanics = state.mechanics
+        self.state, free = state, mechanics.structure.free.T
+        K = state.dense_tangent(taut=taut)
+        if mechanics.mask is not None:
+            K = K[np.ix_(mechanics.dofs, mechanics.dofs)]
+        self.blurred = blurred(K, state)
+        self.doubt = self.blurred + 4.0 * state.norm / shortest(state)
+        outer = mechanics.structure.loads.T / mechanics.frame.force
+        if not mechanics.all_free:
+            outer = np.where(free, outer, state.pull().T)
+        idle = idle_motions(mechanics.everywhere(state.X), free, outer, blur)
+        stiffest = norm(K)
+        K -= idle @ (idle.T @ K)
+        K -= (K @ idle) @ idle.T
+        K += 2.0 * stiffest * (idle @ idle.T)
+        self.K, self.count = K, len(K) - idle.shape[1]
+        self.values = np.linalg.eigvalsh(K)[: self.count]
+
+    def newton_steps(self) -> list[np.ndarray]:
+        """Return Newton steps, (d, m), along all that has stiffness beyond rounding, and beyond doubt."""
+        values, vectors = np.linalg.eigh(self.K)
+        dofs, steps = self.state.mechanics.dofs, []
+        for least in (self.blurred, self.doubt):
+            sure = np.abs(values[: self.count]) > least
+            along = vectors[:, : self.count][:, sure]
+            step = np.zeros(self.state.X.size)
+            step[dofs] = -along @ ((along.T @ self.state.g.reshape(-1)[dofs]) / values[: self.count][sure])
+            steps.append(step.reshape(self.state.X.shape))
+        return steps
