@@ -6,8 +6,8 @@ import pytest
 
 
 def pytest_collection_modifyitems(items):
-    if find_spec("cvxopt") is not None:
-        return
-    for item in items:
-        if item.get_closest_marker("needs_cvxopt"):
-            item.add_marker(pytest.mark.skip(reason="cvxopt is not installed"))
+    for module in ("cvxopt", "matplotlib"):
+        if find_spec(module) is None:
+            for item in items:
+                if item.get_closest_marker(f"needs_{module}"):
+                    item.add_marker(pytest.mark.skip(reason=f"{module} is not installed"))

@@ -158,9 +158,9 @@ def test_a_picture_needs_matplotlib_and_says_so(run: Run, monkeypatch: pytest.Mo
     )
 
 
+@pytest.mark.needs_matplotlib
 @pytest.mark.parametrize(("name", "begins"), [("out.png", b"\x89PNG"), ("out.svg", b"<?xml")])
 def test_a_picture_is_written(run: Run, name: str, begins: bytes):
-    pytest.importorskip("matplotlib")
     ended = run("compare", "prism.yaml", "bracket.yaml", "--lm", "--schek", *ONCE, "--plot", name)
     assert ended.exit_code == 0, ended.stderr
     assert Path(name).read_bytes().startswith(begins)

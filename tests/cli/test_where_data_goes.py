@@ -185,7 +185,9 @@ def tabled(run: Run) -> dict[str, bytes]:
         ("solve", "prism.yaml", "net.yaml", "--summary", "soft.csv"),
         ("solve", "net.nodes.yaml", "net.yaml", "--format", "csv", "--out-dir", "."),
         ("compare", "net.yaml", "--fdm", "-o", "net.nodes.csv"),
-        ("compare", "net.yaml", "--fdm", "--plot", "soft.png"),
+        pytest.param(
+            ("compare", "net.yaml", "--fdm", "--plot", "soft.png"), marks=pytest.mark.needs_matplotlib
+        ),
         ("bench", "net.yaml", "--fdm", "-o", "net.nodes.csv"),
         ("bench", "net.yaml", "--fdm", "-o", "hard.json"),
     ],
