@@ -57,9 +57,16 @@ def _spectrum(state: State, floor: float) -> Spectrum:
 
 
 def _is_settled(state: State, softest: float) -> bool:
-    """Return whether the exact equilibrium near by has a softest stiffness of the same sign."""
-    change = float(state.mechanics.nodal_stiffness.max()) / shortest(state)
-    return softest * softest > SETTLED * change * state.norm
+    """Return whether the exact equilibrium near by has a softest stiffness of the same sign.
+
+    It is no farther than twice the residual over that stiffness; there no cable goes slack or taut.
+    """
+    m = state.mechanics
+    change = float(m.nodal_stiffness.max()) / shortest(state)
+    if softest * softest <= SETTLED * change * state.norm:
+        return False
+    reach = 4.0 * state.norm / abs(softest)  # of either end
+    return not bool((m.structure.tension_only & (np.abs(state.stretch) <= reach)).any())
 
 
 def resists(state: State, floor: float) -> np.ndarray:

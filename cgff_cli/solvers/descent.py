@@ -50,7 +50,7 @@ def iterates(run: Run, onward: Onward) -> Iterator[Iterate]:
             if following is not None:
                 iterate = following
                 continue
-            run.verdict = Verdict.ROUNDING_FLOOR if run.watch.at_floor else Verdict.STEP_VANISHED
+            run.verdict = run.watch.vanished(run.state)
         if not is_elsewhere:
             return
         run.verdict, iterate, path = None, run.iterate(), descent(run)

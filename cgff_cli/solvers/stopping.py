@@ -65,6 +65,11 @@ class Balance(NamedTuple):
         return self.residual <= self.floor
 
     @property
+    def near_floor(self) -> bool:
+        """True where it is no more than may be taken for zero."""
+        return self.residual <= VANISHED * self.floor
+
+    @property
     def relative(self) -> float:
         """Residual over reference; the residual itself where there is nothing to compare it with."""
         return self.residual / self.reference if self.reference > 0.0 else self.residual
@@ -125,7 +130,8 @@ class Watch:
     def judge(self, state: State, iteration: int) -> Verdict | None:
         """Return the verdict that ends the run, or None to go on.
 
-        Order: diverged, converged, rounding floor (reached, and three iterations without halving it), limit.
+        Order: diverged, converged, rounding floor (reached, and not halved in three iterations; or just above
+        it and stuck), limit.
         """
         self.balance = None
         if not state.norm < FAR:
@@ -139,9 +145,18 @@ class Watch:
             self.best, self.waited = state.norm, 0
         else:
             self.waited += 1
-        if self.waited >= PATIENCE and self.at_floor:
+        if (self.waited >= PATIENCE and self.at_floor) or (self.is_stuck and self._is_near_floor):
             return Verdict.ROUNDING_FLOOR
         return Verdict.MAX_ITERATIONS if iteration >= self.max_iterations else None
+
+    @property
+    def _is_near_floor(self) -> bool:
+        return self.balance is not None and self.balance.near_floor
+
+    def vanished(self, state: State) -> Verdict:
+        """Return what it means that no step is left."""
+        near = self.gauge.measure(state).near_floor
+        return Verdict.ROUNDING_FLOOR if near else Verdict.STEP_VANISHED
 
     @property
     def is_stuck(self) -> bool:
