@@ -121,27 +121,27 @@ class Result:
         """Column name -> one value per iteration, row 0 the start."""
         return self.solution.history
 
-    @property
+    @cached_property
     def coordinates(self) -> np.ndarray:
         """(n, d) final positions, in the scene's node order."""
         return self.solution.coordinates
 
-    @property
+    @cached_property
     def lengths(self) -> np.ndarray:
         """(b,) final lengths, eq. (7), in the scene's element order."""
         return self.solution.lengths
 
-    @property
+    @cached_property
     def forces(self) -> np.ndarray:
         """(b,) forces, eq. (2); tension > 0, a slack cable 0."""
         return self.solution.forces
 
-    @property
+    @cached_property
     def force_densities(self) -> np.ndarray:
         """(b,) force densities q = t / l."""
         return self.solution.force_densities
 
-    @property
+    @cached_property
     def slack(self) -> np.ndarray:
         """(b,) bool, cables shorter than their rest length."""
         return self.solution.slack

@@ -60,3 +60,8 @@ def test_groups_sum_up_their_elements():
         "spring": {"count": 1, "length": [5, 5], "force": [5, 5], "force_density": [1, 1], "slack": 0},
         "rope": {"count": 2, "length": [5, 5], "force": [0, 1], "force_density": [0, 0.2], "slack": 1},
     }
+
+
+@pytest.mark.parametrize("name", ["coordinates", "lengths", "forces", "force_densities", "slack", "strains"])
+def test_arrays_are_made_once_however_many_blocks_of_a_table_ask(triangle: Result, name: str):
+    assert getattr(triangle, name) is getattr(triangle, name)
