@@ -46,7 +46,7 @@ def iterates(run: Run, onward: Onward) -> Iterator[Iterate]:
         run.verdict = run.watch.judge(run.state, run.iterations) or _stationary(run)
         is_elsewhere = (run.verdict is not None or run.watch.is_stuck) and onward(run)
         if run.verdict is None and not is_elsewhere:
-            following = next(path, None)
+            following = None if run.watch.is_stuck_near_floor else next(path, None)
             if following is not None:
                 iterate = following
                 continue

@@ -130,8 +130,7 @@ class Watch:
     def judge(self, state: State, iteration: int) -> Verdict | None:
         """Return the verdict that ends the run, or None to go on.
 
-        Order: diverged, converged, rounding floor (reached, and not halved in three iterations; or just above
-        it and stuck), limit.
+        Order: diverged, converged, rounding floor (reached, and three iterations without halving it), limit.
         """
         self.balance = None
         if not state.norm < FAR:
@@ -145,13 +144,14 @@ class Watch:
             self.best, self.waited = state.norm, 0
         else:
             self.waited += 1
-        if (self.waited >= PATIENCE and self.at_floor) or (self.is_stuck and self._is_near_floor):
+        if self.waited >= PATIENCE and self.at_floor:
             return Verdict.ROUNDING_FLOOR
         return Verdict.MAX_ITERATIONS if iteration >= self.max_iterations else None
 
     @property
-    def _is_near_floor(self) -> bool:
-        return self.balance is not None and self.balance.near_floor
+    def is_stuck_near_floor(self) -> bool:
+        """Whether it is stuck where a quick method can hope for no more."""
+        return self.is_stuck and self.balance is not None and self.balance.near_floor
 
     def vanished(self, state: State) -> Verdict:
         """Return what it means that no step is left."""
