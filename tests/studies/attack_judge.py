@@ -7,6 +7,8 @@ import numpy as np
 EPS = 2.0**-52
 CLEAR, NONE = 1e-6, 1e-12
 """Relative sizes above and below which a number is clearly something, or clearly nothing."""
+KINK = 1e-7
+"""A cable within this share of the size of its rest length may be taut or slack."""
 
 
 class Body:
@@ -50,51 +52,60 @@ class Body:
         work = self.loads * X
         return float(sum(parts) - work.sum()), float(sum(parts) + np.abs(work).sum())
 
-    def tangent(self, X: np.ndarray) -> np.ndarray:
-        """Return second derivatives of the energy over the free directions, by complex steps per element."""
+    def tangent(self, X: np.ndarray, lean: float = 0.0) -> np.ndarray:
+        """Return second derivatives of the energy over the free directions, by complex steps per element.
+
+        lean: cables that may be taut or slack are as they are (0), all taut (1) or all slack (-1).
+        """
+        band = lean * KINK * self.size(X)
         K = np.zeros((self.n * self.d,) * 2)
         for i, j, k, l0, cable in self.elements:
             V, at = X[j] - X[i], (np.arange(self.d) + self.d * i, np.arange(self.d) + self.d * j)
             tiny = 1e-30 * (np.abs(V).max() or 1.0)
-            columns = [_force(V + 1j * tiny * axis, k, l0, cable)[2].imag / tiny for axis in np.eye(self.d)]
+            steps = V + 1j * tiny * np.eye(self.d)
+            columns = [_force(step, k, l0, cable, band)[2].imag / tiny for step in steps]
             for row, this in enumerate(at):
                 for column, that in enumerate(at):
                     K[np.ix_(this, that)] += (1.0 if row == column else -1.0) * np.array(columns).T
         return K[np.ix_(self.dofs, self.dofs)]
 
     def reference(self, X: np.ndarray) -> float:
-        """Return the largest force or load; where all are rounding, the largest k l."""
-        found = self.pulls(X)
-        largest = max(max(abs(t) for _, t, _ in found), float(np.abs(self.loads).max()))
-        vanished = largest <= 64.0 * self.floor(X) and not self.loads.any()
-        return (
-            max(e[2] * l for e, (l, _, _) in zip(self.elements, found, strict=True)) if vanished else largest
-        )
+        """Return the largest force or load; where all are rounding, the largest k l of the start."""
+        largest = max(max(abs(t) for _, t, _ in self.pulls(X)), float(np.abs(self.loads).max()))
+        if largest > 256.0 * max(self.floor(X), self.floor(self.X)) or self.loads.any():
+            return largest
+        return max(e[2] * max(l, e[3]) for e, (l, *_) in zip(self.elements, self.pulls(self.X), strict=True))
 
     def floor(self, X: np.ndarray) -> float:
-        """Return what coordinates rounded to double do to the forces."""
+        """Return what coordinates rounded to double do to lengths, directions and so the forces."""
         sums = np.zeros(self.n)
-        for (i, j, k, l0, _), (length, _, _) in zip(self.elements, self.pulls(X), strict=True):
-            sums[[i, j]] += k * (np.abs(X[[i, j]]).max() + length + l0)
-        return 4.0 * EPS * float(sums.max())
+        for (i, j, k, l0, _), (length, t, _) in zip(self.elements, self.pulls(X), strict=True):
+            far = np.abs(X[[i, j]]).max()
+            sums[[i, j]] += k * (far + length + l0) + (abs(t) * far / length if t else 0.0)
+        return 4.0 * EPS * float(sums.max() + np.abs(self.loads).max())
+
+    def size(self, X: np.ndarray) -> float:
+        """Return the longest side of the box around a shape."""
+        return float(np.ptp(X, axis=0).max()) or 1.0
 
     def residual(self, X: np.ndarray) -> float:
         """Return the largest force out of balance over the free directions."""
         return float(np.abs(self.forces(X)[self.free]).max(initial=0.0))
 
-    def doubtful(self, X: np.ndarray) -> bool:
-        """Return whether an element has lost its length, or a cable is between taut and slack."""
-        size = float(np.ptp(X, axis=0).max()) or 1.0
+    def has_points(self, X: np.ndarray, idle: bool = True) -> bool:
+        """Return whether an element (idle: one that needs no direction too) is too short to have one."""
+        least = max(1e-5 * self.size(X), 1e7 * EPS * float(np.abs(X).max()))
         return any(
-            (l0 > 0.0 and l < 1e-5 * max(l0, size))
-            or (cable and l0 > 0.0 and abs(l - l0) < 1e-7 * max(l, size))
-            for (_, _, _, l0, cable), (l, _, _) in zip(self.elements, self.pulls(X), strict=True)
+            length < least and (idle or (l0 > 0.0 and t != 0.0))
+            for (*_, l0, _), (length, t, _) in zip(self.elements, self.pulls(X), strict=True)
         )
 
-    def has_points(self, X: np.ndarray) -> bool:
-        """Return whether an element has no length to speak of, and so no direction."""
-        size = float(np.ptp(X, axis=0).max()) or 1.0
-        return any(length < 1e-5 * size for length, *_ in self.pulls(X))
+    def has_kinks(self, X: np.ndarray) -> bool:
+        """Return whether a cable may be taut or slack."""
+        return any(
+            cable and l0 > 0.0 and abs(length - l0) < KINK * self.size(X)
+            for (*_, l0, cable), (length, *_) in zip(self.elements, self.pulls(X), strict=True)
+        )
 
     def refined(self, X: np.ndarray) -> np.ndarray:
         """Return the best of a few Newton steps from a shape, in double coordinates."""
@@ -125,23 +136,25 @@ class Body:
         allowed = _null(R[:, ~self.free].T)
         return None if allowed is None else _range(R[:, self.free].T @ allowed)
 
-    def softest(self, X: np.ndarray) -> float | None:
-        """Return least over largest stiffness apart from motions that nothing resists; None where unclear.
+    def softest(self, X: np.ndarray) -> tuple[float, float] | None:
+        """Return least over largest stiffness with doubtful cables slack, and taut; None where unclear.
 
-        Without any other motion it is 1.
+        Motions that nothing resists are left out; without any other motion it is 1. Loads may resist
+        a rigid motion by less than rounding: unclear.
         """
-        K, rigid = self.tangent(X), self.rigid(X)
+        low, high = (self._least(self.tangent(X, lean), self.rigid(X)) for lean in (-1.0, 1.0))
+        return None if low is None or high is None else (low, high)
+
+    def _least(self, K: np.ndarray, rigid: np.ndarray | None) -> float | None:
         if rigid is None or not len(K):
             return None if rigid is None else 1.0
         scale = float(np.abs(K).max()) or 1.0
         inert = _null(K @ rigid / scale) if rigid.shape[1] else np.zeros((0, 0))
-        if inert is None:
-            return None
-        left = _null((rigid @ inert).T)
+        undecided = inert is None or (inert.shape[1] and self.loads.any())
+        left = None if undecided else _null((rigid @ inert).T)
         if left is None or not left.shape[1]:
             return None if left is None else 1.0
-        values = np.linalg.eigvalsh(left.T @ K @ left)
-        return float(values[0]) / scale
+        return float(np.linalg.eigvalsh(left.T @ K @ left)[0]) / scale
 
     def counts(self, X: np.ndarray) -> dict[str, int]:
         """Return the counts of the analysis whose ranks leave no doubt."""
@@ -153,7 +166,7 @@ class Body:
             for row, sign in ((i, 1.0), (j, -1.0)):
                 columns[row * self.d : (row + 1) * self.d, e] = sign * (X[j] - X[i]) / length
             taut.append(not cable or length >= l0)
-        rank, rigid = _rank(columns[self.dofs][:, taut]), self.rigid(X)
+        rank, rigid = None if self.has_kinks(X) else _rank(columns[self.dofs][:, taut]), self.rigid(X)
         if (whole := _rank(columns)) is not None:
             found["nullity_U"] = len(taut) - whole
         if rank is not None:
@@ -165,11 +178,15 @@ class Body:
         return found
 
 
-def _force(V, k, l0, cable):
+def _force(V, k, l0, cable, band=0.0):
     length = np.sqrt((V * V).sum())
     stretch = length - l0
-    if (cable and stretch.real < 0.0) or length == 0.0:
+    if cable and l0 > 0.0 and stretch.real < -band:
         return length, stretch.real * 0.0, V * 0.0
+    if length == 0.0:
+        return length, k * stretch, V * (0.0 if l0 else k)
+    if cable and stretch.real < 0.0:
+        stretch -= stretch.real
     return length, k * stretch, k * stretch * V / length
 
 

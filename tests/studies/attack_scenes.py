@@ -182,4 +182,6 @@ def attack(seed: int) -> tuple[str, Scene]:
         solver["method"] = "table1"
     elif way < 0.2:
         solver["objective"] = "residual"
+    elif way < 0.23:
+        solver["preconditioner"] = "none"
     return kind, scene | ({"solver": solver} if solver else {})
