@@ -1,8 +1,11 @@
-"""What tests may need that is not always there."""
+"""What tests may need that is not always there, and one thread each, as the command sets for itself."""
 
+import os
 from importlib.util import find_spec
 
 import pytest
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def pytest_collection_modifyitems(items):
