@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from cgff_cli.mechanics import elements
 from cgff_cli.mechanics.elements import TINY
 from cgff_cli.mechanics.norms import norm
 from cgff_cli.mechanics.state import Mechanics, State
@@ -209,6 +210,7 @@ class Solution:
     @property
     def energy(self) -> float:
         """Total potential energy; loads do work from the user's own origin."""
-        structure, frame = self.mechanics.structure, self.mechanics.frame
-        energy = self.state.energy if self._some_length.any() else 0.0
+        state, structure, frame = self.state, self.mechanics.structure, self.mechanics.frame
+        shrunk = (self.mechanics.l0 == 0.0) & (self._some_length == 0.0)
+        energy = state.energy - elements.energy(state.t[shrunk], state.e[shrunk])
         return energy * frame.energy - float((structure.loads * frame.centre).sum())

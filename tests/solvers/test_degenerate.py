@@ -55,3 +55,16 @@ def test_the_rounding_floor_is_that_of_the_present_size():
     grown = scene(points, bars, loads={0: (1.0, 0.0, 0.0), 1: (-1.0, 0.0, 0.0)})
     result = cgff_cli.solve(grown, tolerance=1e-300)
     assert result.verdict in ("converged", "rounding_floor")
+
+
+@pytest.mark.parametrize(("kind", "rest"), [("cable", 0.0), ("strut", 0.0), ("cable", 0.5)])
+def test_energy_of_a_shape_shrunk_to_a_point_is_the_work_of_loads_on_it(kind, rest):
+    bars = [(0, 1, "cable", 1.0, 0.0), (0, 1, kind, 1.0, rest)]
+    result = cgff_cli.solve(scene([(0.4, 0.3), (-0.4, -0.7)], bars, {0: "xy"}, {0: (-0.25, 0.05)}))
+    assert result.lengths.max() < 1e-100
+    assert result.energy == pytest.approx(0.25 * 0.4 - 0.05 * 0.3, rel=1e-14)
+
+
+def test_energy_of_nothing_but_shrunk_elements_is_zero():
+    result = cgff_cli.solve(scene([(0.4, 0.3), (-0.4, -0.7)], [(0, 1, "cable", 1.0, 0.0)], {0: "xy"}))
+    assert result.energy == 0.0
