@@ -38,10 +38,11 @@ def shortest(state: State) -> float:
 def steepest_fall(state: State) -> np.ndarray | None:
     """Return the unit (d, m) direction of most negative stiffness, or None if there is none.
 
-    A Cholesky factor of K and a little more is the quick way to see that there is none.
+    A Cholesky factor of K and a little more is the quick way to see that there is none. What forces out of
+    balance blur counts for negative: whether the energy falls that way is seen by going there.
     """
     K = state.dense_tangent()
-    unsure = doubt(K, state)
+    unsure = blurred(K, state)
     diagonal = K.reshape(-1)[:: len(K) + 1]
     diagonal += unsure
     try:

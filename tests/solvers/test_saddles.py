@@ -118,3 +118,12 @@ def test_all_nodes_in_one_point_still_give_a_structure():
     assert result.converged
     assert result.energy == pytest.approx(cgff_cli.solve(crossed_struts(*COINCIDENT)).energy, rel=1e-9)
     assert len(result.warnings) == 1
+
+
+def test_a_loose_tolerance_does_not_hide_that_a_way_down_is_open():
+    """Beside an element of a thousandth, forces left over blur stiffness more than it is negative."""
+    points = [(0.0337242989, -0.3451971193), (0.0085079464, -0.0870861277), (-0.0372872761, 0.3816672460)]
+    bars = [(0, 1, "strut", 10.0, 0.001), (1, 2, "strut", 0.01, 1.0), (0, 2, "strut", 100.0, 0.001)]
+    result = cgff_cli.solve(scene(points, bars, {0: "y", 2: "xy"}), tolerance=1.5e-5)
+    assert result.converged
+    assert result.analysis["stability"] == "stable"
