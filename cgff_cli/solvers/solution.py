@@ -212,5 +212,5 @@ class Solution:
         """Total potential energy; loads do work from the user's own origin."""
         state, structure, frame = self.state, self.mechanics.structure, self.mechanics.frame
         shrunk = (self.mechanics.l0 == 0.0) & (self._some_length == 0.0)
-        energy = state.energy - elements.energy(state.t[shrunk], state.e[shrunk])
+        energy = state.energy - float(elements.energy(state.t[shrunk], state.e[shrunk]))
         return energy * frame.energy - float((structure.loads * frame.centre).sum())
