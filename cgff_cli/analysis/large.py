@@ -46,7 +46,7 @@ def _inertia(tangent: SparseTangent, state: State, taut: np.ndarray) -> str:
 
 def _refined(tangent: SparseTangent, state: State) -> State:
     """Return the state after a Newton step, or itself where K is indefinite or the step gains nothing."""
-    solve = tangent.system(state.X, state.V, state.axial_weights(), state.q, 0.0)
+    solve = tangent.system(state.parts(), 0.0)
     if solve is None:
         return state
     there = state.mechanics.at(state.X - solve(state.g))

@@ -97,6 +97,7 @@ def family_command(name: str) -> click.Command:
 
     @click.pass_context
     def write(ctx: click.Context, output: str, tables: bool | None, **values: Any) -> None:
+        """Write the scene that the flags describe."""
         given = {key: value for key, value in values.items() if value is not None}
         try:
             _write(make(name, given), output, tables)

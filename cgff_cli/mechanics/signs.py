@@ -17,13 +17,8 @@ BLUR = 1e-14
 """Rounding error of an eigenvalue over the norm of its matrix and the root of its size, with some room."""
 
 
-def doubt(K: np.ndarray, state: State) -> float:
-    """Return the size below which an eigenvalue of K has no sign."""
-    return blurred(K, state) + 4.0 * state.norm / shortest(state)
-
-
 def blurred(K: np.ndarray, state: State) -> float:
-    """Return the share of it that is rounding, and would be left were the forces in balance."""
+    """Return the size below which rounding leaves an eigenvalue of K no sign, were the forces in balance."""
     m, reach = state.mechanics, float(np.abs(state.X).max(initial=0.0))
     own = m.k * (state.taut & (m.l0 > 0.0)) * (1.0 + (reach + np.abs(state.e)) / state.l)
     return BLUR * sqrt(len(K)) * norm(K) + 4.0 * EPS * float(own.max())

@@ -184,6 +184,10 @@ class State:
         w *= self.taut if taut is None else taut
         return w if q is None else w + (self.q - q) / l2
 
+    def parts(self, q: np.ndarray | None = None, taut: np.ndarray | None = None) -> tangent.Parts:
+        """Return what K is the sum of. q: (b,) nonnegative force densities in place of the state's own."""
+        return tangent.Parts(self.X, self.V, self.axial_weights(q, taut), self.q if q is None else q)
+
     def tangent_times(self, Y: np.ndarray) -> np.ndarray:
         """Return K Y, (d, m), without forming K."""
         KY = tangent.times(self.mechanics.connectivity, self.V, self.axial_weights(), self.q, Y)
@@ -194,8 +198,8 @@ class State:
 
         q: (b,) nonnegative force densities to use in place of the state's own; taut: (b,) bool, likewise.
         """
-        own = self.q if q is None else q
-        K = tangent.dense(self.mechanics.connectivity, self.V, self.axial_weights(q, taut), own)
+        _, V, w, own = self.parts(q, taut)
+        K = tangent.dense(self.mechanics.connectivity, V, w, own)
         if self.mechanics.mask is not None:
             tangent.hold(K, self.mechanics.mask)
         return K

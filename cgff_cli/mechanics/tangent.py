@@ -8,10 +8,21 @@ With w = (k - q) / l^2 that is w V V^T + q I, and with rho^T rho of every elemen
 is one product of matrices.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from cgff_cli.mechanics.connectivity import Connectivity
 from cgff_cli.mechanics.equilibrium import equilibrium_matrix, force_density_matrix
+
+
+class Parts(NamedTuple):
+    """What K is the sum of at positions X (d, m): w V V^T + q I per element; V (d, b), w and q (b,)."""
+
+    X: np.ndarray
+    V: np.ndarray
+    w: np.ndarray
+    q: np.ndarray
 
 
 def times(

@@ -22,6 +22,7 @@ import numpy as np
 
 from cgff_cli.mechanics import elements
 from cgff_cli.mechanics.state import Mechanics, State
+from cgff_cli.mechanics.tangent import Parts
 from cgff_cli.solvers.descent import iterates
 from cgff_cli.solvers.preconditioners.base import Solve, Tangent
 from cgff_cli.solvers.run import Run
@@ -98,7 +99,7 @@ class Mixed:
         clipped = first or self.shift > 0.0
         while self.shift < 1.0:
             own = np.maximum(q, 0.0) if clipped else q
-            solve = M.system(state.X, state.V, (m.k * D - own) / l2, own, self.shift)
+            solve = M.system(Parts(state.X, state.V, (m.k * D - own) / l2, own), self.shift)
             if solve is not None:
                 self.is_minimum = self.shift == 0.0 and not (first and bool((self.e < 0.0).any()))
                 return solve

@@ -43,10 +43,10 @@ def iterates(run: Run, onward: Onward) -> Iterator[Iterate]:
     iterate, path = run.iterate(), descent(run)
     while True:
         yield iterate
-        run.verdict = run.watch.judge(run.state, run.iterations) or _stationary(run)
+        run.verdict = run.watch.judge(run.state, run.iterations) or _stationary(run) or _worn_out(run)
         is_elsewhere = (run.verdict is not None or run.watch.is_stuck) and onward(run)
         if run.verdict is None and not is_elsewhere:
-            following = None if run.watch.is_stuck_near_floor else next(path, None)
+            following = next(path, None)
             if following is not None:
                 iterate = following
                 continue
@@ -113,6 +113,12 @@ def _step(run: Run, d: np.ndarray, slope: float) -> tuple[float, float, State] |
         there = found.there or run.at(state.X + alpha * d)
     length = alpha * norm(d)
     return (alpha, length, there) if length > EPS * norm(state.X) else None
+
+
+def _worn_out(run: Run) -> Verdict | None:
+    """Return a verdict where quick steps no longer halve a residual that is hardly above its floor."""
+    is_worn_out = run.preconditioner.is_newton and run.watch.is_stuck and run.watch.near_floor
+    return Verdict.ROUNDING_FLOOR if is_worn_out else None
 
 
 def _stationary(run: Run) -> Verdict | None:

@@ -149,9 +149,9 @@ class Watch:
         return Verdict.MAX_ITERATIONS if iteration >= self.max_iterations else None
 
     @property
-    def is_stuck_near_floor(self) -> bool:
-        """Whether it is stuck where a quick method can hope for no more."""
-        return self.is_stuck and self.balance is not None and self.balance.near_floor
+    def near_floor(self) -> bool:
+        """Whether the state last judged is balanced but for forces that may be taken for zero."""
+        return self.balance is not None and self.balance.near_floor
 
     def vanished(self, state: State) -> Verdict:
         """Return what it means that no step is left."""

@@ -68,3 +68,17 @@ def test_energy_of_a_shape_shrunk_to_a_point_is_the_work_of_loads_on_it(kind, re
 def test_energy_of_nothing_but_shrunk_elements_is_zero():
     result = cgff_cli.solve(scene([(0.4, 0.3), (-0.4, -0.7)], [(0, 1, "cable", 1.0, 0.0)], {0: "xy"}))
     assert result.energy == 0.0
+
+
+def test_a_residual_a_few_roundings_high_that_quick_steps_no_longer_halve_is_rounding():
+    """Loads of 1e-11 on stiffness of 1000: hundreds of iterations went on within what rounding leaves."""
+    points = [(0.5, -0.7, 0.7), (-0.4, 0.2, -0.4), (0.2, -0.4, 0.1), (0.2, 0.3, 0.5)]
+    points += [(-0.7, -0.3, -0.4), (-0.8, -0.7, 0.0)]
+    cables = [(0, 1, 100.0, 0.001), (1, 2, 1000.0, 0.001), (2, 3, 10.0, 0.0), (3, 4, 0.1, 0.001)]
+    bars = [(i, j, "cable", EA, rest) for i, j, EA, rest in cables] + [
+        (4, 5, "strut", 1000.0, 1.535316346783084)
+    ]
+    loads = {2: (-3e-11, -9e-12, 2e-11), 4: (2e-16, 2e-16, 8e-17)}
+    result = cgff_cli.solve(scene(points, bars, {1: "xyz"}, loads), tolerance=5e-9)
+    assert result.verdict == "rounding_floor"
+    assert result.counts["iterations"] < 60

@@ -1,11 +1,13 @@
 """What the loop asks of a preconditioner, and answers that do nothing: plain conjugate gradients."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 
 import numpy as np
 
 from cgff_cli.mechanics.signs import steepest_fall
 from cgff_cli.mechanics.state import Mechanics, State
+from cgff_cli.mechanics.tangent import Parts
 
 
 class Preconditioner:
@@ -54,7 +56,7 @@ GOOD_PROGRESS = 0.25
 Solve = Callable[[np.ndarray], np.ndarray]
 
 
-class Tangent(Preconditioner):
+class Tangent(Preconditioner, ABC):
     """M = K + mu S, S each node's total stiffness, or its square for eq. (10).
 
     mu is a number without unit, adapted like the radius of a trust region. It falls after long steps, faster
@@ -74,27 +76,17 @@ class Tangent(Preconditioner):
         self.solve: Solve | None = None
         self.progress = float("inf")
 
-    def system(
-        self,
-        X: np.ndarray,
-        V: np.ndarray,
-        w: np.ndarray,
-        q: np.ndarray,
-        shift: float,
-        *,
-        trusted: bool = False,
-    ) -> Solve | None:
-        """Return M^-1, M = sum of w V V^T + q I (see mechanics.tangent) and shift S, as a function of (d, m).
+    @abstractmethod
+    def system(self, parts: Parts, shift: float, *, trusted: bool = False) -> Solve | None:
+        """Return M^-1 as a function of (d, m), M = K of its parts and shift S.
 
         None where M has no Cholesky factor; trusted: it need not be tried. Rigid motions that nothing resists
         do not count, and solutions hold none of those at X.
         """
-        raise NotImplementedError
 
     def at(self, state: State, q: np.ndarray | None, *, trusted: bool = False) -> Solve | None:
         """Return M^-1 at a state; q: (b,) nonnegative force densities in place of its own."""
-        own = state.q if q is None else q
-        return self.system(state.X, state.V, state.axial_weights(q), own, self.mu, trusted=trusted)
+        return self.system(state.parts(q), self.mu, trusted=trusted)
 
     def refresh(self, state: State) -> None:
         """Form M at a state."""

@@ -10,6 +10,7 @@ import numpy as np
 from cgff_cli.mechanics import tangent
 from cgff_cli.mechanics.rigid import rigid_motions, rigid_stiffness
 from cgff_cli.mechanics.state import Mechanics, State
+from cgff_cli.mechanics.tangent import Parts
 from cgff_cli.solvers.preconditioners.base import LONG_STEP, Solve, Tangent
 
 
@@ -26,22 +27,13 @@ class DenseTangent(Tangent):
             mechanics.all_free or self._allowed(mechanics.start).size > 0
         )
 
-    def system(
-        self,
-        X: np.ndarray,
-        V: np.ndarray,
-        w: np.ndarray,
-        q: np.ndarray,
-        shift: float,
-        *,
-        trusted: bool = False,
-    ) -> Solve | None:
+    def system(self, parts: Parts, shift: float, *, trusted: bool = False) -> Solve | None:
         """Return M^-1 as a function, or None where M has no Cholesky factor."""
-        M = tangent.dense(self.mechanics.connectivity, V, w, q)
+        M = tangent.dense(self.mechanics.connectivity, parts.V, parts.w, parts.q)
         if self.mechanics.mask is not None:
             tangent.hold(M, self.mechanics.mask)
         if self.renew:
-            R = rigid_stiffness(X) if self.mechanics.all_free else self._held(X)
+            R = rigid_stiffness(parts.X) if self.mechanics.all_free else self._held(parts.X)
             self.R, self.renew = self.stiffness * R, False
         if self.R is not None:
             M += self.R

@@ -11,6 +11,7 @@ import numpy as np
 from cgff_cli.mechanics.pattern import TangentPattern
 from cgff_cli.mechanics.rigid import all_motions
 from cgff_cli.mechanics.state import Mechanics, State
+from cgff_cli.mechanics.tangent import Parts
 from cgff_cli.solvers.factors import Factor, factory
 from cgff_cli.solvers.preconditioners.base import GOOD_PROGRESS, Solve, Tangent
 
@@ -41,22 +42,13 @@ class SparseTangent(Tangent):
         super().adapt(alpha, shrinkage)
         self.progress = shrinkage
 
-    def system(
-        self,
-        X: np.ndarray,
-        V: np.ndarray,
-        w: np.ndarray,
-        q: np.ndarray,
-        shift: float,
-        *,
-        trusted: bool = False,
-    ) -> Solve | None:
+    def system(self, parts: Parts, shift: float, *, trusted: bool = False) -> Solve | None:
         """Return M^-1 as a function, or None where it has no Cholesky factor."""
-        factor = self._factor(X, V, w, q, shift * self.S, trusted or self.squared)
+        factor = self._factor(parts, shift * self.S, trusted or self.squared)
         if factor is None:
             return None
         self.is_thick = factor.fill > THIN * len(self.pattern.indices)
-        R = all_motions(X) if self.is_afloat else None
+        R = all_motions(parts.X) if self.is_afloat else None
 
         def solve(g: np.ndarray) -> np.ndarray:
             """Return M^-1 g without rigid motions of a body afloat."""
@@ -97,13 +89,11 @@ class SparseTangent(Tangent):
 
     def definite(self, state: State, sigma: float, taut: np.ndarray | None = None) -> Factor | None:
         """Return the factor of K + sigma, or None unless no eigenvalue of K is below -sigma."""
-        w = state.axial_weights(None, taut)
-        return self._factor(state.X, state.V, w, state.q, np.full_like(self.S, sigma), False)
+        return self._factor(state.parts(None, taut), np.full_like(self.S, sigma), False)
 
-    def _factor(
-        self, X: np.ndarray, V: np.ndarray, w: np.ndarray, q: np.ndarray, shift: np.ndarray, trusted: bool
-    ) -> Factor | None:
-        """Return the factor of the sum of w V V^T + q I and a shift per node, pinned if afloat, or None."""
+    def _factor(self, parts: Parts, shift: np.ndarray, trusted: bool) -> Factor | None:
+        """Return the factor of K of its parts and a shift per node, pinned if afloat, or None."""
+        X, V, w, q = parts
         extra = shift[:, None, None] * np.eye(len(X))
         held = float(self.S.mean())
         if self.is_afloat:
