@@ -28,20 +28,26 @@ def stability(state: State, floor: float) -> dict[str, Any]:
     count: a pendulum is stable hanging and unstable upright. A cable whose force is within rounding (floor)
     of none resists nothing: it may be shortened for free.
     """
-    found = _spectrum(state, floor)
+    found = Spectrum(state, resists(state, floor), floor)
     for _ in range(MOST_REFINEMENTS):
-        if not found.count or _is_settled(state, float(found.values[0])) or state.norm <= floor:
+        if _is_settled(state, found) or state.norm <= floor:
             break
         there = min((state.mechanics.at(state.X + s) for s in found.newton_steps()), key=lambda s: s.norm)
         if not there.norm < state.norm:
             break
         state = there
-        found = _spectrum(state, floor)
-    if not found.count:
-        return {"stable": True, "stability": "stable", "smallest_stiffness": None}
-    softest = float(found.values[0])
-    kind = "stable" if softest > found.doubt else "unstable" if softest < -found.doubt else "neutral"
-    return told(kind, state, floor) | {"smallest_stiffness": softest * state.mechanics.frame.stiffness}
+        found = Spectrum(state, resists(state, floor), floor)
+    softest = float(found.values[0]) if found.count else None
+    return told(_kind(found), state, floor) | {
+        "smallest_stiffness": None if softest is None else softest * state.mechanics.frame.stiffness
+    }
+
+
+def _kind(found: Spectrum) -> str:
+    softest = float(found.values[0]) if found.count else float("inf")
+    if softest < -found.doubt:
+        return "unstable"
+    return "stable" if softest > found.doubt and found.is_sure else "neutral"
 
 
 def told(kind: str, state: State, floor: float) -> dict[str, Any]:
@@ -51,22 +57,12 @@ def told(kind: str, state: State, floor: float) -> dict[str, Any]:
     return {"stable": kind == "stable", "stability": kind}
 
 
-def _spectrum(state: State, floor: float) -> Spectrum:
-    blur = 0.0 if state.mechanics.mask is None else state.norm + floor
-    return Spectrum(state, resists(state, floor), blur)
-
-
-def _is_settled(state: State, softest: float) -> bool:
-    """Return whether the exact equilibrium near by has a softest stiffness of the same sign.
-
-    It is no farther than twice the residual over that stiffness; there no cable goes slack or taut.
-    """
-    m = state.mechanics
-    change = float(m.nodal_stiffness.max()) / shortest(state)
-    if softest * softest <= SETTLED * change * state.norm:
-        return False
-    reach = 4.0 * state.norm / abs(softest)  # of either end
-    return not bool((m.structure.tension_only & (np.abs(state.stretch) <= reach)).any())
+def _is_settled(state: State, found: Spectrum) -> bool:
+    """Return whether the exact equilibrium near by has the same idle motions and sign of its softest."""
+    if not found.is_sure or not found.count:
+        return found.is_sure
+    change, softest = float(state.mechanics.nodal_stiffness.max()) / shortest(state), float(found.values[0])
+    return softest * softest > SETTLED * change * state.norm
 
 
 def resists(state: State, floor: float) -> np.ndarray:

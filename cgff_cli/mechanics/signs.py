@@ -58,10 +58,11 @@ class Spectrum:
 
     values : (c,) eigenvalues of K; none where nothing but idle motions can happen
     blurred, doubt : the size that rounding hides, and the size that has no sign
+    is_sure        : whether rounding alone, not what is left of the forces, decides which motions are idle
     """
 
-    def __init__(self, state: State, taut: np.ndarray, blur: float):
-        """taut: (b,) bool, elements that resist; blur: error of reactions."""
+    def __init__(self, state: State, taut: np.ndarray, floor: float):
+        """taut: (b,) bool, elements that resist; floor: rounding error of reactions."""
         mechanics = state.mechanics
         self.state, free = state, mechanics.structure.free.T
         K = state.dense_tangent(taut=taut)
@@ -72,7 +73,12 @@ class Spectrum:
         outer = mechanics.structure.loads.T / mechanics.frame.force
         if not mechanics.all_free:
             outer = np.where(free, outer, state.pull().T)
-        idle = idle_motions(mechanics.everywhere(state.X), free, outer, blur)
+        everywhere, blur = (
+            mechanics.everywhere(state.X),
+            0.0 if mechanics.mask is None else state.norm + floor,
+        )
+        idle = idle_motions(everywhere, free, outer, blur)
+        self.is_sure = idle.shape[1] in (0, idle_motions(everywhere, free, outer, min(blur, floor)).shape[1])
         stiffest = norm(K)
         K -= idle @ (idle.T @ K)
         K -= (K @ idle) @ idle.T
