@@ -218,7 +218,7 @@ def test_what_is_not_stable_says_so_in_one_sentence_of_its_own():
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-12])
 def test_a_motion_that_only_forces_left_over_make_idle_is_not_called_stable(tolerance):
-    """A bent line of three: turning it about its ends turns less than a loose tolerance leaves of reactions."""
+    """A bent line of three: turning it about its ends turns less than a loose tolerance leaves."""
     bars = [(0, 2, "strut", 0.1, 0.001), (1, 2, "cable", 10.0, 0.001), (0, 1, "strut", 1000.0, 1.0)]
     points = [(-0.4, 0.4, 0.0), (0.9, -1.0, 0.0), (0.3, -0.4, 0.0)]
     line = scene(points, bars, {0: "xyz", 2: "x"}, {1: (0.08, 0.1, -0.1)}, law="hooke")
