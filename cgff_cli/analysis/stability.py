@@ -7,15 +7,11 @@ import numpy as np
 
 from cgff_cli.mechanics.connectivity import dense
 from cgff_cli.mechanics.equilibrium import force_density_matrix
-from cgff_cli.mechanics.signs import Spectrum, shortest
+from cgff_cli.mechanics.signs import SETTLED, Spectrum, shortest
 from cgff_cli.mechanics.state import State
 from cgff_cli.solvers.stopping import VANISHED
 
 MOST_REFINEMENTS = 3
-
-SETTLED = 8.0
-"""Kantorovich: where K changes by at most L per length, a smallest stiffness s with s^2 > 8 L |eta| keeps
-its sign on the way to the exact equilibrium, with room to spare (2 would do)."""
 
 
 def stability(state: State, floor: float) -> dict[str, Any]:

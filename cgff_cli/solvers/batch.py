@@ -1,0 +1,246 @@
+"""Rows: structures of one topology and different numbers, side by side. What a State is to one of them.
+
+Arrays hold the row first: (N, d, m) at the m nodes that move, (N, d, b) and (N, b) at elements, (N, f) in
+free directions. Matrices are multiplied and factored row by row, all else is elementwise or a sum over a
+row's own entries, so that no bit of a row depends on what stands beside it.
+"""
+
+from math import sqrt
+from types import SimpleNamespace
+
+import numpy as np
+from scipy.linalg.lapack import dposv, dpotrf
+
+from cgff_cli.mechanics import elements, tangent
+from cgff_cli.mechanics.connectivity import DenseConnectivity, dense
+from cgff_cli.mechanics.elements import EPS, TINY
+from cgff_cli.mechanics.equilibrium import internal_forces
+from cgff_cli.mechanics.rigid import FLAT
+from cgff_cli.mechanics.signs import BLUR, SETTLED
+from cgff_cli.solvers.stopping import VANISHED
+from cgff_cli.structure import Structure
+
+OPEN, BALANCED, NEUTRAL, STABLE = range(4)
+"""What is known of a row: nothing, so that it is for form_find; that forces balance; its stability too."""
+
+
+class Rows(SimpleNamespace):
+    """Columns by name, each with the row first."""
+
+    def take(self, which: np.ndarray) -> "Rows":
+        """Return some rows, copied."""
+        return Rows(**{name: column[which] for name, column in vars(self).items()})
+
+    def put(self, which: np.ndarray, other: "Rows") -> None:
+        """Take over some rows of the columns that `other` has; which: (N,) bool."""
+        for name, column in vars(other).items():
+            getattr(self, name)[which] = column[which]
+
+    def join(self, other: "Rows") -> "Rows":
+        """Return these rows and then others with the same columns."""
+        own = vars(self)
+        return Rows(**{name: np.concatenate((own[name], column)) for name, column in vars(other).items()})
+
+
+class Topology:
+    """What all rows share: who is joined to whom, what is held, which elements are cables."""
+
+    def __init__(self, structure: Structure):
+        s = self.structure = structure
+        n, self.d = s.coordinates.shape
+        self.moves = s.free.any(axis=1)
+        self.all_free = bool(s.free.all())
+        self.has_held = not bool(self.moves.all())
+        self.rho_t = dense(s.start, s.end, n)
+        moves = self.moves if self.has_held else None
+        self.connectivity = DenseConnectivity(s.start, s.end, s.coordinates.T, moves)
+        self.least = elements.least_extensions(s.tension_only)
+        self.free = s.free.T.reshape(-1)
+        m = int(self.moves.sum())
+        self.dofs = np.flatnonzero(s.free[self.moves].T)
+        axis, node = np.divmod(self.dofs, m)
+        self.node = node
+        block = axis[:, None] * self.d + axis
+        self.places = (block * m * m + node[:, None] * m + node).reshape(-1)
+
+    def framed(self, X: np.ndarray, k: np.ndarray, l0: np.ndarray, loads: np.ndarray) -> Rows:
+        """Return what stays the same while rows move, each in its own frame, as `mechanics.frame` has it.
+
+        X and loads: (N, n, d); k and l0: (N, b). all: (N, d, n) every node at the start.
+        """
+        centre = np.add.reduce(X, 1) * (1.0 / X.shape[1])
+        X = X - centre[:, None]
+        length = _power_of_two(np.maximum(np.abs(X).max((1, 2)), l0.max(1)))
+        stiffness = _power_of_two(k.max(1))
+        X = np.ascontiguousarray((X / length[:, None, None]).swapaxes(1, 2))
+        k, l0 = k / stiffness[:, None], l0 / length[:, None]
+        loads = np.ascontiguousarray((loads / (stiffness * length)[:, None, None]).swapaxes(1, 2))
+        F = loads[:, :, self.moves].reshape(len(X), -1)[:, self.dofs]
+        nodal = (k[:, None] @ np.abs(self.rho_t.T))[:, 0][:, self.moves]
+        is_pinned = self._is_pinned(X)
+        is_afloat = ~loads.any((1, 2)) & ~is_pinned
+        V = X @ self.rho_t
+        return Rows(
+            centre=centre,
+            length=length,
+            stiffness=stiffness,
+            all=X,
+            held=X[:, :, ~self.moves] @ self.rho_t[~self.moves],
+            k=k,
+            l0=l0,
+            kl0=k * l0,
+            loads=loads,
+            F=F,
+            load=np.abs(F).max(1, initial=0.0),
+            S=np.where(nodal > 0.0, nodal, nodal.mean(1)[:, None])[:, self.node],
+            stiffest=nodal.max(1),
+            loose=np.where(is_afloat, np.add.reduce(k, 1) / k.shape[1], 0.0),
+            is_covered=is_afloat if self.all_free else is_pinned,
+            at_start=(k * elements.lengths(V.swapaxes(0, 1))).max(1),
+        )
+
+    def at(self, rows: Rows, X: np.ndarray) -> Rows:
+        """Return the columns of a State at (N, d, m) positions; g is (N, f), in free directions."""
+        V = self.connectivity.differences(X)
+        if self.has_held:
+            V += rows.held
+        l = elements.lengths(V.swapaxes(0, 1))
+        e = elements.extensions(l - rows.l0, self.least)
+        t = elements.forces(rows.k, e)
+        q = elements.force_densities(t, l)
+        g = internal_forces(self.connectivity, V, q[:, None]).reshape(len(X), -1)[:, self.dofs] - rows.F
+        return Rows(X=X, V=V, l=l, e=e, t=t, q=q, g=g, norm=np.sqrt(dot(g, g)))
+
+    def moved(self, X: np.ndarray, step: np.ndarray) -> np.ndarray:
+        """Return (N, d, m) positions after a step (N, f) in free directions."""
+        there = X.copy()
+        there.reshape(len(X), -1)[:, self.dofs] += step
+        return there
+
+    def everywhere(self, rows: Rows, X: np.ndarray) -> np.ndarray:
+        """Return (N, d, n) positions of all nodes."""
+        full = rows.all.copy()
+        full[:, :, self.moves] = X
+        return full
+
+    def stiffness(self, s: Rows, q: np.ndarray, taut: np.ndarray) -> np.ndarray:
+        """Return K, (N, f, f), eq. (11). s: states; q: (N, b) force densities in place of their own."""
+        l2 = s.l * s.l
+        w = s.kl0 / (l2 * s.l) * taut + (s.q - q) / l2
+        B = tangent.blocks(np.ascontiguousarray(s.V.swapaxes(0, 1)), w, q)
+        b, m = self.connectivity.rho.shape
+        K = B.reshape(-1, len(w), b).swapaxes(0, 1) @ self.connectivity.pairs.reshape(b, m * m)
+        f = len(self.dofs)
+        return K.reshape(len(w), -1).take(self.places, axis=1).reshape(-1, f, f)
+
+    def taut(self, s: Rows) -> np.ndarray:
+        """Return (N, b) bool, not slack."""
+        return elements.taut(s.l - s.l0, self.least)
+
+    def loose_motions(self, rows: Rows) -> np.ndarray:
+        """Return (N, f, f) stiffnesses R R^T of rigid motions R that supports allow, 0 where loads act."""
+        R = _all_motions(self.everywhere(rows, rows.X))
+        if not self.all_free:
+            _, values, combined = np.linalg.svd(self._held(R), full_matrices=False)
+            R = R[:, self.free] @ (combined * (values <= FLAT)[:, :, None]).swapaxes(1, 2)
+        return (rows.loose[:, None, None] * R) @ R.swapaxes(1, 2)
+
+    def _held(self, R: np.ndarray) -> np.ndarray:
+        """Return motions at what is held, with as many rows more as there are motions."""
+        return np.concatenate((R[:, ~self.free], np.zeros((len(R), R.shape[2], R.shape[2]))), axis=1)
+
+    def _is_pinned(self, X: np.ndarray) -> np.ndarray:
+        """Return (N,) bool, whether supports allow no rigid motion of (N, d, n) positions."""
+        if self.all_free:
+            return np.zeros(len(X), dtype=bool)
+        return (np.linalg.svd(self._held(_all_motions(X)), compute_uv=False) > FLAT).all(1)
+
+    def rounding(self, s: Rows) -> np.ndarray:
+        """Return (N, b) how far rounding blurs each extension."""
+        reach = np.abs(self.everywhere(s, s.X)).max(1)
+        far = np.maximum(reach[:, self.structure.start], reach[:, self.structure.end])
+        return EPS * (far + s.l + np.abs(s.e))
+
+
+def measured(topology: Topology, s: Rows, reference: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return reference and floor, (N,) each, as `Gauge.measure` does where every force may vanish."""
+    floor = ((s.k * topology.rounding(s))[:, None] @ np.abs(topology.rho_t.T)).max((1, 2))
+    vanished = (reference <= VANISHED * np.maximum(floor, EPS * s.at_start)) & (s.load == 0.0)
+    largest = np.maximum((s.k * s.l).max(1), s.at_start)
+    return np.where(vanished, largest, reference), np.where(vanished, np.maximum(floor, EPS * largest), floor)
+
+
+def signs(topology: Topology, s: Rows, floor: np.ndarray, is_told: bool) -> np.ndarray:
+    """Return (N,) what is known of balanced states, by the doubts of `mechanics.signs` and `analysis.stability`.
+
+    Stable is what keeps a Cholesky factor less all doubt; neutral is told of what is balanced to rounding, or
+    where nobody asks. Where rigid motions may be idle or not, or forces left over matter: BALANCED.
+    """
+    taut, rests = topology.taut(s), s.l0 > 0.0
+    resists = taut & ~((topology.least == 0.0) & rests & (s.t <= VANISHED * floor[:, None]))
+    K = topology.stiffness(s, s.q, resists)
+    reach = np.abs(s.X).max((1, 2), initial=0.0)[:, None]
+    own = s.k * (taut & rests) * (1.0 + (reach + np.abs(s.e)) / s.l)
+    flat = K.reshape(len(K), -1)
+    blurred = BLUR * sqrt(K.shape[1]) * np.sqrt(dot(flat, flat)) + 4.0 * EPS * own.max(1)
+    shortest = np.where(rests & taut, s.l, np.inf).min(1)
+    doubt = blurred + 4.0 * s.norm / shortest
+    unsettled = np.sqrt(SETTLED * s.stiffest / shortest * s.norm)
+    K += topology.loose_motions(s)
+    found = np.full(len(K), BALANCED)
+    found[s.is_covered & are_positive(K, -np.maximum(doubt, unsettled))] = STABLE
+    found[(s.l <= 2.0 * TINY).any(1)] = OPEN
+    left = np.flatnonzero(s.is_covered & (found == BALANCED) & ((s.norm <= floor) | (not is_told)))
+    if len(left):
+        softest = np.linalg.eigvalsh(K[left])[:, 0]
+        neutral = np.where(softest > doubt[left], STABLE, NEUTRAL)
+        found[left] = np.where(softest < -blurred[left], OPEN, neutral)
+    return found
+
+
+def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Return (N,) inner products of (N, f) vectors."""
+    return np.add.reduce(a * b, 1)
+
+
+def solved(M: np.ndarray, g: np.ndarray, which: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return M^-1 g, (N, f), of some rows, else 0; and (N,) bool: which M have no Cholesky factor.
+
+    M: (N, f, f), spent; which: (N,) bool.
+    """
+    z, failed = np.zeros_like(g), np.zeros(len(g), dtype=bool)
+    for row in np.flatnonzero(which).tolist():
+        _, z[row], failed[row] = dposv(M[row].T, g[row], overwrite_a=1)
+    return z, failed
+
+
+def are_positive(K: np.ndarray, shift: np.ndarray) -> np.ndarray:
+    """Return (N,) bool, whether K + shift, (N, f, f) and (N,), has a Cholesky factor."""
+    M = shifted(K.copy(), shift[:, None])
+    return np.array([dpotrf(a, overwrite_a=1)[1] == 0 for a in M.swapaxes(1, 2)], dtype=bool)
+
+
+def shifted(K: np.ndarray, shift: np.ndarray) -> np.ndarray:
+    """Return K, (N, f, f), with a shift, (N, f), added to the diagonals in place."""
+    K.reshape(len(K), -1)[:, :: K.shape[2] + 1] += shift
+    return K
+
+
+def _power_of_two(values: np.ndarray) -> np.ndarray:
+    """Return the powers of two in (value / 2, value], or 1 for zero."""
+    return np.where(values > 0.0, np.ldexp(1.0, np.frexp(values)[1] - 1), 1.0)
+
+
+def _all_motions(X: np.ndarray) -> np.ndarray:
+    """Return `mechanics.rigid.all_motions` of (N, d, n) positions, (N, d n, r)."""
+    N, d, n = X.shape
+    X = X - (np.add.reduce(X, 2) * (1.0 / n))[:, :, None]
+    size = np.sqrt(np.add.reduce((X * X).reshape(N, -1), 1))
+    X /= np.where(size > 0.0, size, 1.0)[:, None, None]
+    planes = [(i, j) for i in range(d) for j in range(i + 1, d)]
+    R = np.zeros((N, d, n, d + len(planes)))
+    for i in range(d):
+        R[:, i, :, i] = (1.0 / n) ** 0.5
+    for r, (i, j) in enumerate(planes, d):
+        R[:, i, :, r], R[:, j, :, r] = X[:, j], -X[:, i]
+    return R.reshape(N, d * n, -1)

@@ -1,0 +1,224 @@
+"""The loop of eq. (13) for many rows at once, each at its own pace.
+
+In turn every row is evaluated at the end of its step. Where the step is a strong Wolfe one the row moves
+there and takes a new direction, elsewhere it gets the next trial of its line: the rules and numbers of
+`descent` and `line_search`, for one row as for a thousand. Rows that balance leave, others take their place.
+Rows that need more than this, or are no equilibrium that arithmetic is sure of, are left to `form_find`.
+"""
+
+import numpy as np
+
+from cgff_cli.mechanics.elements import EPS
+from cgff_cli.options import SolveOptions
+from cgff_cli.solvers.batch import BALANCED, OPEN, Rows, Topology, dot, measured, shifted, signs, solved
+from cgff_cli.solvers.descent import DOWNHILL, LOST_CONJUGACY, MOST_FAILURES
+from cgff_cli.solvers.line_search import (
+    ENOUGH_DECREASE,
+    FLAT_ENOUGH_FOR_NEWTON,
+    INSIDE,
+    LARGEST_GROWTH,
+    MAX_TRIALS,
+)
+from cgff_cli.solvers.preconditioners.base import FIRST_SHIFT, LEAST_SHIFT, LONG_STEP, SHORT_STEP
+from cgff_cli.solvers.saddles import COINCIDENT
+from cgff_cli.solvers.stopping import FAR, FAR_ABOVE, VANISHED, WAIT
+
+AT_ONCE = 256
+"""Rows in work at a time (tests/studies/many.py: 128 to 512 differ by less than 5 %)."""
+
+
+class Many:
+    """What came of m rows: what is known (m,), X (m, d, n_moving) in frames, iterations, residual (m,)."""
+
+    def __init__(self, topology: Topology, items: Rows, options: SolveOptions, is_told: bool):
+        """is_told: whether stability is asked for."""
+        self.topology, self.items, self.options, self.is_told = topology, items, options, is_told
+        m = len(items.k)
+        self.known = np.full(m, OPEN)
+        self.X = np.ascontiguousarray(items.all[:, :, topology.moves])
+        self.iterations = np.zeros(m, dtype=int)
+        self.relative = np.zeros(m)
+        with np.errstate(all="ignore"):
+            self._run()
+
+    def _run(self) -> None:
+        """Go through all rows; work in hand is filled up when a quarter of it has left."""
+        waiting = np.split(np.arange(len(self.known)), range(AT_ONCE // 4, len(self.known), AT_ONCE // 4))
+        waiting.reverse()
+        rows = self._begun(waiting.pop())
+        while len(rows.number) or waiting:
+            while waiting and len(rows.number) <= AT_ONCE - AT_ONCE // 4:
+                rows = rows.join(self._begun(waiting.pop()))
+            self._step(rows)
+            if 4 * rows.active.sum() <= 3 * len(rows.active):
+                rows = rows.take(rows.active)
+
+    def _begun(self, number: np.ndarray) -> Rows:
+        """Return rows at their starts, with their first directions."""
+        rows, N, f = self.items.take(number), len(number), len(self.topology.dofs)
+        start = self.topology.at(rows, self.X[number])
+        short = (start.l < COINCIDENT) & (self.topology.least < 0.0) & (rows.l0 > 0.0)
+        rows = Rows(
+            number=number,
+            **vars(rows),
+            **vars(start),
+            active=~short.any(1),
+            iteration=np.zeros(N, dtype=int),
+            best=np.full(N, np.inf),
+            waited=np.zeros(N, dtype=int),
+            R=np.zeros((N, f, f)),
+            mu=np.full(N, FIRST_SHIFT),
+            z=np.zeros((N, f)),
+            gz=np.zeros(N),
+            d=np.zeros((N, f)),
+            slope=np.zeros(N),
+            alpha=np.zeros(N),
+            final=np.zeros(N, dtype=bool),
+            tries=np.zeros(N, dtype=int),
+            shrinks=np.zeros(N, dtype=bool),
+            low=np.zeros((N, 3)),
+            high=np.full((N, 3), np.inf),
+        )
+        self._turn(rows, rows.active.copy())
+        return rows
+
+    def _step(self, rows: Rows) -> None:
+        """Evaluate every row at the end of its step; it moves there, or gets another step."""
+        step = rows.alpha[:, None] * rows.d
+        there = self.topology.at(rows, self.topology.moved(rows.X, step))
+        rise = 0.5 * dot(rows.k * (there.e - rows.e), there.e + rows.e) - dot(rows.F, step)
+        slope = dot(there.g, rows.d)
+        moves = rows.final | _is_met(rows, rise, slope, 0.0)
+        search = np.flatnonzero(rows.active & ~moves)
+        if len(search):
+            moves[search] = self._search(rows, search, rise[search], slope[search], there.norm[search])
+        X = rows.X.reshape(len(step), -1)
+        rows.active &= ~moves | (np.sqrt(dot(step, step)) > EPS * np.sqrt(dot(X, X)))
+        self._arrive(rows, there, rows.active & moves)
+
+    def _arrive(self, rows: Rows, there: Rows, moved: np.ndarray) -> None:
+        """Move rows to their states, adapt shifts, and set out again; moved: (N,) bool."""
+        shrinkage = np.minimum(there.norm / np.where(rows.norm > 0.0, rows.norm, 1.0), 0.1)
+        lower = np.maximum(rows.mu * shrinkage, LEAST_SHIFT)
+        mu = np.where(rows.alpha > LONG_STEP, lower, np.where(rows.alpha < SHORT_STEP, 10.0, 1.0) * rows.mu)
+        rows.mu = np.where(moved, mu, rows.mu)
+        rows.iteration += moved
+        rows.put(moved, there)
+        self._turn(rows, moved)
+
+    def _turn(self, rows: Rows, moved: np.ndarray) -> None:
+        """Ask the stopping tests of rows that have moved, and give those that go on a new direction."""
+        halved = rows.norm <= 0.5 * rows.best
+        rows.best = np.where(halved & moved, rows.norm, rows.best)
+        rows.waited = np.where(halved, 0, rows.waited + moved)
+        residual, reference = np.abs(rows.g).max(1), np.maximum(np.abs(rows.t).max(1), rows.load)
+        size = np.abs(rows.X).max((1, 2)) + rows.l.max(1) + np.abs(rows.e).max(1)
+        no_force = reference <= VANISHED * FAR_ABOVE * EPS * rows.stiffest * size
+        few = moved & ((residual <= self.options.tolerance * reference) | no_force)
+        limit = rows.iteration >= self.options.max_iterations
+        rows.active &= (rows.norm < FAR) & (rows.waited < WAIT) & ~limit
+        if few.any():
+            rows.active[few] &= self._conclude(rows.take(few), residual[few], reference[few])
+        self._direct(rows, moved & rows.active)
+
+    def _direct(self, rows: Rows, goes: np.ndarray) -> None:
+        """Give rows the direction of eq. (13), restarted as in `descent`, and its full step to try."""
+        first = rows.iteration == 0
+        z = self._preconditioned(rows, goes, first)
+        gz = dot(rows.g, z)
+        fr = np.where(rows.gz != 0.0, gz / rows.gz, 0.0)
+        d = fr[:, None] * rows.d - z
+        slope = dot(rows.g, d)
+        restart = first | (np.abs(dot(rows.g, rows.z)) > LOST_CONJUGACY * gz) | (slope > -DOWNHILL * gz)
+        d, slope = np.where(restart[:, None], -z, d), np.where(restart, -gz, slope)
+        line = np.stack((np.zeros_like(slope), np.zeros_like(slope), slope), axis=1)
+        new = Rows(z=z, gz=gz, d=d, slope=slope, low=line, alpha=np.ones_like(slope), final=np.zeros_like(goes))
+        rows.put(goes, new)
+        rows.high[goes], rows.tries[goes] = np.inf, 0
+        rows.active &= ~goes | (slope < 0.0)
+
+    def _preconditioned(self, rows: Rows, goes: np.ndarray, first: np.ndarray) -> np.ndarray:
+        """Return M^-1 g, (N, f), NaN where no M has a Cholesky factor; shifts grow as in `Tangent.refresh`."""
+        renew = goes & (rows.loose > 0.0) & (first | (rows.alpha < LONG_STEP))
+        if renew.any():
+            rows.R[renew] = self.topology.loose_motions(rows.take(renew))
+        z, refused = self._solved(rows, goes, first)
+        for _ in range(MOST_FAILURES):
+            left = np.flatnonzero(refused)
+            if not len(left):
+                break
+            again, every = rows.take(left), np.ones(len(left), dtype=bool)
+            again.R = rows.R[left] = self.topology.loose_motions(again)
+            z[left], refused[left] = self._solved(again, every, every)
+            rows.mu[left] *= np.where(refused[left], 10.0, 1.0)
+        z[refused] = np.nan
+        return z
+
+    def _solved(self, rows: Rows, goes: np.ndarray, clipped: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return M^-1 g, and where M has no factor; clipped: (N,) bool, without negative force densities."""
+        q = np.where(clipped[:, None], np.maximum(rows.q, 0.0), rows.q)
+        M = self.topology.stiffness(rows, q, self.topology.taut(rows))
+        M += rows.R
+        return solved(shifted(M, rows.mu[:, None] * rows.S), rows.g, goes)
+
+    def _search(
+        self, rows: Rows, at: np.ndarray, rise: np.ndarray, slope: np.ndarray, norm: np.ndarray
+    ) -> np.ndarray:
+        """Return where a trial will do after all, for rounding; the other rows get their next one."""
+        s = rows.take(at)
+        blur = s.t * self.topology.rounding(s)
+        noise = 4.0 * np.sqrt(dot(blur, blur))
+        met = _is_met(s, rise, slope, noise)
+        s.shrinks = np.where(s.tries == 0, norm < s.norm, s.shrinks)
+        s.tries += 1
+        trial = np.stack((s.alpha, rise, slope), axis=1)
+        is_low = (_descends(s, rise, noise) & (slope < 0.0))[:, None]
+        s.low, s.high = np.where(is_low, trial, s.low), np.where(is_low, s.high, trial)
+        bracketed, a = np.isfinite(s.high[:, 0]), _next(s, slope, noise)
+        s.final = bracketed & ~((s.low[:, 0] < a) & (a < s.high[:, 0])) | (s.tries >= MAX_TRIALS)
+        best = np.where((s.low[:, 0] == 0.0) & s.shrinks, 1.0, s.low[:, 0])
+        s.alpha = np.where(met, s.alpha, np.where(s.final, best, a))
+        for name in ("shrinks", "tries", "low", "high", "final", "alpha"):
+            getattr(rows, name)[at] = getattr(s, name)
+        return met
+
+    def _conclude(self, s: Rows, residual: np.ndarray, reference: np.ndarray) -> np.ndarray:
+        """Note rows that balance, and how K's signs are; return (N,) bool, which to go on with."""
+        reference, floor = measured(self.topology, s, reference)
+        balanced = residual <= self.options.tolerance * reference
+        done = np.flatnonzero(balanced)
+        if not len(done):
+            return ~balanced
+        s, number = s.take(done), s.number[done]
+        found = signs(self.topology, s, floor[done], self.is_told)
+        new = self.known[number] == OPEN
+        self.known[number] = found
+        self.X[number[new]], self.iterations[number[new]] = s.X[new], s.iteration[new]
+        self.relative[number[new]] = (residual / reference)[done[new]]
+        balanced[done] = ~(s.is_covered & (found == BALANCED))
+        return ~balanced
+
+
+def _descends(s: Rows, rise: np.ndarray, noise: np.ndarray | float) -> np.ndarray:
+    """Return where trials satisfy the first Wolfe condition."""
+    return rise <= ENOUGH_DECREASE * s.alpha * s.slope + noise
+
+
+def _is_met(s: Rows, rise: np.ndarray, slope: np.ndarray, noise: np.ndarray | float) -> np.ndarray:
+    """Return where trials satisfy both."""
+    return _descends(s, rise, noise) & (np.abs(slope) <= -FLAT_ENOUGH_FOR_NEWTON * s.slope)
+
+
+def _next(s: Rows, slope: np.ndarray, noise: np.ndarray) -> np.ndarray:
+    """Return the next steps of lines, as `line_search._next` does for one."""
+    (low, low_rise, low_slope), (high, high_rise, high_slope) = s.low.T, s.high.T
+    secant = np.where(slope > s.slope, s.alpha * s.slope / (s.slope - slope), np.inf)
+    beyond = np.minimum(np.maximum(secant, 1.1 * s.alpha), LARGEST_GROWTH * s.alpha)
+    width, bend = high - low, high_slope - low_slope
+    c = low_slope + high_slope + 3.0 * (low_rise - high_rise) / width
+    root = np.sqrt(c * c - low_slope * high_slope)
+    cubic = high - width * (high_slope + root - c) / (bend + 2.0 * root)
+    by_slopes = np.abs(high_rise - low_rise) <= noise
+    a = np.where(by_slopes, np.where(bend > 0.0, low - width * low_slope / bend, np.inf), cubic)
+    inside = (INSIDE * width <= a - low) & (a - low <= (1.0 - INSIDE) * width)
+    return np.where(np.isinf(high), beyond, np.where(inside, a, low + 0.5 * width))
