@@ -22,6 +22,7 @@ ROOMS = (
     "comparison",
     "report",
     "pipeline",
+    "many",
     "bench",
     "cli",
     "__main__",

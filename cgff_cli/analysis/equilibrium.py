@@ -43,22 +43,18 @@ def analysed(scene: Scene, solution: Solution, options: SolveOptions) -> dict[st
     state, mechanics, floor = solution.state, solution.mechanics, solution.balance.floor
     found: dict[str, Any] = dict(NOT_COMPUTED)
     prestressed = bool(np.abs(state.t).max() > VANISHED * floor)
-    small = mechanics.is_small and len(mechanics.dofs) <= SMALL
-    if options.analysis == "always" or (options.analysis == "auto" and small):
+    is_full = _is_full(solution, options)
+    if is_full:
         # A shape that is no equilibrium stands for itself; one that is, for the exact one near by.
         tolerance = rank_tolerance(solution.relative if solution.verdict.converged else 0.0)
         found |= rank_conditions(state, tolerance)
-        if solution.verdict.converged:
-            found |= stability(state, floor)
-            found["super_stable"] = (
-                prestressed
-                and found["stable"] is True
-                and is_super_stable(state, force_density_threshold(state, tolerance))
-            )
-    elif options.analysis == "auto" and solution.verdict.converged:
-        from cgff_cli.analysis.large import stability_of_large
-
-        found |= stability_of_large(state, options.factor, floor)
+    found |= stability_of(solution, options)
+    if is_full and solution.verdict.converged:
+        found["super_stable"] = (
+            prestressed
+            and found["stable"] is True
+            and is_super_stable(state, force_density_threshold(state, tolerance))
+        )
     slack = np.flatnonzero(state.slack)
     pulled = np.flatnonzero(~mechanics.structure.tension_only & (state.t > VANISHED * floor))
     return found | {
@@ -68,6 +64,23 @@ def analysed(scene: Scene, solution: Solution, options: SolveOptions) -> dict[st
         "struts_in_tension_count": len(pulled),
         "struts_in_tension": labels(scene, pulled[:MOST_NAMED]),
     }
+
+
+def _is_full(solution: Solution, options: SolveOptions) -> bool:
+    """Return whether ranks and eigenvalues are computed."""
+    small = solution.mechanics.is_small and len(solution.mechanics.dofs) <= SMALL
+    return options.analysis == "always" or (options.analysis == "auto" and small)
+
+
+def stability_of(solution: Solution, options: SolveOptions) -> dict[str, Any]:
+    """Return what is told of a solution's stability; nothing where it is not asked for, or no equilibrium."""
+    if not solution.verdict.converged or options.analysis == "never":
+        return {}
+    if _is_full(solution, options):
+        return stability(solution.state, solution.balance.floor)
+    from cgff_cli.analysis.large import stability_of_large
+
+    return stability_of_large(solution.state, options.factor, solution.balance.floor)
 
 
 STABILITY_WORDS = {

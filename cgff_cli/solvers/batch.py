@@ -85,11 +85,11 @@ class Topology:
             length=length,
             stiffness=stiffness,
             all=X,
+            start=np.ascontiguousarray(X[:, :, self.moves]),
             held=X[:, :, ~self.moves] @ self.rho_t[~self.moves],
             k=k,
             l0=l0,
             kl0=k * l0,
-            loads=loads,
             F=F,
             load=np.abs(F).max(1, initial=0.0),
             S=np.where(nodal > 0.0, nodal, nodal.mean(1)[:, None])[:, self.node],
@@ -119,6 +119,8 @@ class Topology:
 
     def everywhere(self, rows: Rows, X: np.ndarray) -> np.ndarray:
         """Return (N, d, n) positions of all nodes."""
+        if not self.has_held:
+            return X
         full = rows.all.copy()
         full[:, :, self.moves] = X
         return full
