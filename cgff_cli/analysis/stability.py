@@ -7,11 +7,9 @@ import numpy as np
 
 from cgff_cli.mechanics.connectivity import dense
 from cgff_cli.mechanics.equilibrium import force_density_matrix
-from cgff_cli.mechanics.signs import SETTLED, Spectrum, shortest
+from cgff_cli.mechanics.signs import MOST_REFINEMENTS, SETTLED, Spectrum, shortest
 from cgff_cli.mechanics.state import State
 from cgff_cli.solvers.stopping import VANISHED
-
-MOST_REFINEMENTS = 3
 
 
 def stability(state: State, floor: float) -> dict[str, Any]:

@@ -61,7 +61,10 @@ class Topology:
         axis, node = np.divmod(self.dofs, m)
         self.node = node
         block = axis[:, None] * self.d + axis
-        self.places = (block * m * m + node[:, None] * m + node).reshape(-1)
+        pairs = self.connectivity.pairs.reshape(-1, m * m)
+        self.pairs, which = np.unique(pairs, axis=1, return_inverse=True)
+        which = which.reshape(-1)[node[:, None] * m + node]
+        self.places = (block * self.pairs.shape[1] + which).reshape(-1)
 
     def framed(self, X: np.ndarray, k: np.ndarray, l0: np.ndarray, loads: np.ndarray) -> Rows:
         """Return what stays the same while rows move, each in its own frame, as `mechanics.frame` has it.
@@ -130,8 +133,7 @@ class Topology:
         l2 = s.l * s.l
         w = s.kl0 / (l2 * s.l) * taut + (s.q - q) / l2
         B = tangent.blocks(np.ascontiguousarray(s.V.swapaxes(0, 1)), w, q)
-        b, m = self.connectivity.rho.shape
-        K = B.reshape(-1, len(w), b).swapaxes(0, 1) @ self.connectivity.pairs.reshape(b, m * m)
+        K = B.reshape(-1, *w.shape).swapaxes(0, 1) @ self.pairs
         f = len(self.dofs)
         return K.reshape(len(w), -1).take(self.places, axis=1).reshape(-1, f, f)
 
@@ -172,32 +174,65 @@ def measured(topology: Topology, s: Rows, reference: np.ndarray) -> tuple[np.nda
     return np.where(vanished, largest, reference), np.where(vanished, np.maximum(floor, EPS * largest), floor)
 
 
-def signs(topology: Topology, s: Rows, floor: np.ndarray, is_told: bool) -> np.ndarray:
+def signs(topology: Topology, s: Rows, floor: np.ndarray, refinements: int) -> np.ndarray:
     """Return (N,) what is known of balanced states, by the doubts of `mechanics.signs` and `analysis.stability`.
 
-    Stable is what keeps a Cholesky factor less all doubt; neutral is told of what is balanced to rounding, or
-    where nobody asks. Where rigid motions may be idle or not, or forces left over matter: BALANCED.
+    Stable is what keeps a Cholesky factor less all doubt. The rest takes Newton steps, as many as allowed,
+    until it is balanced to rounding. BALANCED: rigid motions may be idle or not, or forces left over matter.
+    """
+    K, blurred, doubt, unsettled = stiffness_and_doubts(topology, s, floor)
+    found = np.where(are_positive(K, -np.maximum(doubt, unsettled)), STABLE, BALANCED)
+    found[~s.is_covered] = BALANCED
+    left = np.flatnonzero(s.is_covered & (found == BALANCED))
+    if not len(left):
+        return found
+    s, floor, blurred, doubt = s.take(left), floor[left], blurred[left], doubt[left]
+    values, vectors = np.linalg.eigh(K[left])
+    word = np.where(values[:, 0] > doubt, STABLE, NEUTRAL)
+    far = (refinements > 0) & (s.norm > floor)
+    if far.any():
+        best = refined(topology, s, values, vectors, (blurred, doubt))
+        far &= best.norm < s.norm
+    word[(word == NEUTRAL) & (s.norm > VANISHED * floor * sqrt(s.X.shape[2]))] = BALANCED
+    if far.any():
+        word[far] = signs(topology, best.take(far), floor[far], refinements - 1)
+    word[(values[:, 0] < -blurred) | (s.l <= 2.0 * TINY).any(1)] = OPEN
+    found[left] = word
+    return found
+
+
+def stiffness_and_doubts(topology: Topology, s: Rows, floor: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Return K of what resists, stiff along loose motions; what rounding blurs, and what has no sign.
+
+    The last, (N,): a softest stiffness above it keeps its sign on the way to the exact equilibrium.
     """
     taut, rests = topology.taut(s), s.l0 > 0.0
     resists = taut & ~((topology.least == 0.0) & rests & (s.t <= VANISHED * floor[:, None]))
     K = topology.stiffness(s, s.q, resists)
-    reach = np.abs(s.X).max((1, 2), initial=0.0)[:, None]
+    reach = np.abs(s.X).max((1, 2))[:, None]
     own = s.k * (taut & rests) * (1.0 + (reach + np.abs(s.e)) / s.l)
     flat = K.reshape(len(K), -1)
     blurred = BLUR * sqrt(K.shape[1]) * np.sqrt(dot(flat, flat)) + 4.0 * EPS * own.max(1)
     shortest = np.where(rests & taut, s.l, np.inf).min(1)
-    doubt = blurred + 4.0 * s.norm / shortest
-    unsettled = np.sqrt(SETTLED * s.stiffest / shortest * s.norm)
     K += topology.loose_motions(s)
-    found = np.full(len(K), BALANCED)
-    found[s.is_covered & are_positive(K, -np.maximum(doubt, unsettled))] = STABLE
-    found[(s.l <= 2.0 * TINY).any(1)] = OPEN
-    left = np.flatnonzero(s.is_covered & (found == BALANCED) & ((s.norm <= floor) | (not is_told)))
-    if len(left):
-        softest = np.linalg.eigvalsh(K[left])[:, 0]
-        neutral = np.where(softest > doubt[left], STABLE, NEUTRAL)
-        found[left] = np.where(softest < -blurred[left], OPEN, neutral)
-    return found
+    unsettled = np.sqrt(SETTLED * s.stiffest / shortest * s.norm)
+    return K, blurred, blurred + 4.0 * s.norm / shortest, unsettled
+
+
+def refined(
+    topology: Topology, s: Rows, values: np.ndarray, vectors: np.ndarray, doubts: tuple[np.ndarray, ...]
+) -> Rows:
+    """Return the better of two Newton steps, along all that is stiff beyond rounding, and beyond doubt."""
+    best = Rows(**vars(s))
+    along = (s.g[:, None] @ vectors)[:, 0]
+    for number, least in enumerate(doubts):
+        rates = np.where(np.abs(values) > least[:, None], along / values, 0.0)
+        there = topology.at(s, topology.moved(s.X, -(vectors @ rates[:, :, None])[:, :, 0]))
+        if number == 0:
+            vars(best).update(vars(there))
+        else:
+            best.put(there.norm < best.norm, there)
+    return best
 
 
 def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:

@@ -13,6 +13,7 @@ import numpy as np
 
 from cgff_cli.mechanics import elements
 from cgff_cli.mechanics.elements import EPS
+from cgff_cli.mechanics.signs import MOST_REFINEMENTS
 from cgff_cli.options import SolveOptions
 from cgff_cli.solvers.batch import BALANCED, OPEN, Rows, Topology, dot, measured, shifted, signs, solved
 from cgff_cli.solvers.descent import DOWNHILL, LOST_CONJUGACY, MOST_FAILURES
@@ -210,21 +211,19 @@ class Many:
         return met
 
     def _conclude(self, s: Rows, residual: np.ndarray, reference: np.ndarray) -> np.ndarray:
-        """Note rows that balance, and how K's signs are; return (N,) bool, which to go on with."""
+        """Note rows that balance, and how K's signs are; return (N,) bool, which do not."""
         reference, floor = measured(self.topology, s, reference)
         balanced = residual <= self.options.tolerance * reference
         done = np.flatnonzero(balanced)
         if not len(done):
             return ~balanced
         s, floor, relative = s.take(done), floor[done], (residual / reference)[done]
-        found = signs(self.topology, s, floor, self.options.analysis != "never")
-        new = self.known[s.number] == OPEN
+        is_told = self.options.analysis != "never"
+        found = signs(self.topology, s, floor, MOST_REFINEMENTS if is_told else 0)
         self.known[s.number] = found
         for row in np.flatnonzero(found == BALANCED).tolist():
             self.nearly[int(s.number[row])] = s.X[row]
-        if new.any():
-            self._note(s.take(new), relative[new])
-        balanced[done] = ~(s.is_covered & (found == BALANCED))
+        self._note(s, relative)
         return ~balanced
 
     def _note(self, s: Rows, relative: np.ndarray) -> None:
