@@ -27,19 +27,19 @@ OPEN, BALANCED, NEUTRAL, STABLE = range(4)
 class Rows(SimpleNamespace):
     """Columns by name, each with the row first."""
 
-    def take(self, which: np.ndarray) -> "Rows":
-        """Return some rows, copied."""
-        return Rows(**{name: column[which] for name, column in vars(self).items()})
+    def take(self, which: np.ndarray, *but: str) -> "Rows":
+        """Return some rows, copied, without some columns."""
+        return Rows(**{name: column[which] for name, column in vars(self).items() if name not in but})
 
     def put(self, which: np.ndarray, other: "Rows") -> None:
         """Take over some rows of the columns that `other` has; which: (N,) bool."""
         for name, column in vars(other).items():
             getattr(self, name)[which] = column[which]
 
-    def join(self, other: "Rows") -> "Rows":
-        """Return these rows and then others with the same columns."""
-        own = vars(self)
-        return Rows(**{name: np.concatenate((own[name], column)) for name, column in vars(other).items()})
+
+def joined(parts: list[Rows]) -> Rows:
+    """Return rows with the same columns, one after another."""
+    return Rows(**{name: np.concatenate([vars(part)[name] for part in parts]) for name in vars(parts[0])})
 
 
 class Topology:
@@ -186,17 +186,18 @@ def signs(topology: Topology, s: Rows, floor: np.ndarray, refinements: int) -> n
     left = np.flatnonzero(s.is_covered & (found == BALANCED))
     if not len(left):
         return found
-    s, floor, blurred, doubt = s.take(left), floor[left], blurred[left], doubt[left]
-    values, vectors = np.linalg.eigh(K[left])
-    word = np.where(values[:, 0] > doubt, STABLE, NEUTRAL)
-    far = (refinements > 0) & (s.norm > floor)
-    if far.any():
-        best = refined(topology, s, values, vectors, (blurred, doubt))
-        far &= best.norm < s.norm
+    s, K, floor, blurred, doubt = s.take(left), K[left], floor[left], blurred[left], doubt[left]
+    softest = np.linalg.eigvalsh(K)[:, 0]
+    word = np.where(softest > doubt, STABLE, NEUTRAL)
     word[(word == NEUTRAL) & (s.norm > VANISHED * floor * sqrt(s.X.shape[2]))] = BALANCED
-    if far.any():
-        word[far] = signs(topology, best.take(far), floor[far], refinements - 1)
-    word[(values[:, 0] < -blurred) | (s.l <= 2.0 * TINY).any(1)] = OPEN
+    far = np.flatnonzero((refinements > 0) & (s.norm > floor))
+    if len(far):
+        there = refined(topology, s.take(far), K[far], (blurred[far], doubt[far]))
+        nearer = np.flatnonzero(there.norm < s.norm[far])
+        far = far[nearer]
+        if len(far):
+            word[far] = signs(topology, there.take(nearer), floor[far], refinements - 1)
+    word[(softest < -blurred) | (s.l <= 2.0 * TINY).any(1)] = OPEN
     found[left] = word
     return found
 
@@ -219,20 +220,15 @@ def stiffness_and_doubts(topology: Topology, s: Rows, floor: np.ndarray) -> tupl
     return K, blurred, blurred + 4.0 * s.norm / shortest, unsettled
 
 
-def refined(
-    topology: Topology, s: Rows, values: np.ndarray, vectors: np.ndarray, doubts: tuple[np.ndarray, ...]
-) -> Rows:
+def refined(topology: Topology, s: Rows, K: np.ndarray, doubts: tuple[np.ndarray, ...]) -> Rows:
     """Return the better of two Newton steps, along all that is stiff beyond rounding, and beyond doubt."""
-    best = Rows(**vars(s))
+    values, vectors = np.linalg.eigh(K)
     along = (s.g[:, None] @ vectors)[:, 0]
-    for number, least in enumerate(doubts):
-        rates = np.where(np.abs(values) > least[:, None], along / values, 0.0)
-        there = topology.at(s, topology.moved(s.X, -(vectors @ rates[:, :, None])[:, :, 0]))
-        if number == 0:
-            vars(best).update(vars(there))
-        else:
-            best.put(there.norm < best.norm, there)
-    return best
+    rates = (np.where(np.abs(values) > least[:, None], along / values, 0.0) for least in doubts)
+    steps = (-(vectors @ rate[:, :, None])[:, :, 0] for rate in rates)
+    best, other = (topology.at(s, topology.moved(s.X, step)) for step in steps)
+    best.put(other.norm < best.norm, other)
+    return Rows(**{**vars(s), **vars(best)})
 
 
 def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:

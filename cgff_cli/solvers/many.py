@@ -15,7 +15,7 @@ from cgff_cli.mechanics import elements
 from cgff_cli.mechanics.elements import EPS
 from cgff_cli.mechanics.signs import MOST_REFINEMENTS
 from cgff_cli.options import SolveOptions
-from cgff_cli.solvers.batch import BALANCED, OPEN, Rows, Topology, dot, measured, shifted, signs, solved
+from cgff_cli.solvers.batch import BALANCED, NEUTRAL, OPEN, Rows, Topology, dot, joined, measured, shifted, signs, solved
 from cgff_cli.solvers.descent import DOWNHILL, LOST_CONJUGACY, MOST_FAILURES
 from cgff_cli.solvers.line_search import (
     ENOUGH_DECREASE,
@@ -28,6 +28,9 @@ from cgff_cli.solvers.preconditioners.base import FIRST_SHIFT, LEAST_SHIFT, LONG
 from cgff_cli.solvers.saddles import COINCIDENT
 from cgff_cli.solvers.stopping import FAR, FAR_ABOVE, VANISHED, WAIT
 from cgff_cli.structure import Structure
+
+OF_THE_LOOP = tuple("R mu z gz d slope alpha final tries shrinks low high best waited active".split())
+"""Columns that what is known of a state does without."""
 
 AT_ONCE = 512
 """Rows in work at a time."""
@@ -66,6 +69,7 @@ class Many:
         self.coordinates = np.array(values.coordinates)
         self.forces = np.zeros(values.stiffness.shape)
         self.nearly: dict[int, np.ndarray] = {}
+        self.balanced: list[Rows] = []
 
     def run(self) -> None:
         """Go through all rows; work in hand is filled up when a quarter of it has left."""
@@ -75,10 +79,12 @@ class Many:
             rows = self._begun(waiting.pop())
             while len(rows.number) or waiting:
                 while waiting and len(rows.number) <= AT_ONCE - batch:
-                    rows = rows.join(self._begun(waiting.pop()))
+                    rows = joined([rows, self._begun(waiting.pop())])
                 self._step(rows)
                 if 4 * rows.active.sum() <= 3 * len(rows.active):
                     rows = rows.take(rows.active)
+                if sum(len(s.number) for s in self.balanced) >= AT_ONCE or not (len(rows.number) or waiting):
+                    self._conclude()
 
     def _begun(self, number: np.ndarray) -> Rows:
         """Return rows at their starts, with their first directions."""
@@ -140,13 +146,15 @@ class Many:
         rows.best = np.where(halved & moved, rows.norm, rows.best)
         rows.waited = np.where(halved, 0, rows.waited + moved)
         residual, reference = np.abs(rows.g).max(1), np.maximum(np.abs(rows.t).max(1), rows.load)
-        size = np.abs(rows.X).max((1, 2)) + rows.l.max(1) + np.abs(rows.e).max(1)
-        no_force = reference <= VANISHED * FAR_ABOVE * EPS * rows.stiffest * size
-        few = moved & ((residual <= self.options.tolerance * reference) | no_force)
+        balanced = moved & (residual <= self.options.tolerance * reference)
+        no_force = moved & ~balanced & (reference <= VANISHED * FAR_ABOVE * EPS * rows.at_start)
+        if no_force.any():
+            other, _ = measured(self.topology, rows.take(no_force, *OF_THE_LOOP), reference[no_force])
+            balanced[no_force] = residual[no_force] <= self.options.tolerance * other
         limit = rows.iteration >= self.options.max_iterations
-        rows.active &= (rows.norm < FAR) & (rows.waited < WAIT) & ~limit
-        if few.any():
-            rows.active[few] &= self._conclude(rows.take(few), residual[few], reference[few])
+        if (balanced & rows.active).any():
+            self.balanced.append(rows.take(balanced & rows.active, *OF_THE_LOOP))
+        rows.active &= ~balanced & (rows.norm < FAR) & (rows.waited < WAIT) & ~limit
         self._direct(rows, moved & rows.active)
 
     def _direct(self, rows: Rows, goes: np.ndarray) -> None:
@@ -169,13 +177,13 @@ class Many:
         """Return M^-1 g, (N, f), NaN where no M has a Cholesky factor; shifts grow as in `Tangent.refresh`."""
         renew = goes & (rows.loose > 0.0) & (first | (rows.alpha < LONG_STEP))
         if renew.any():
-            rows.R[renew] = self.topology.loose_motions(rows.take(renew))
+            rows.R[renew] = self.topology.loose_motions(rows.take(renew, *OF_THE_LOOP))
         z, refused = self._solved(rows, goes, first)
         for _ in range(MOST_FAILURES):
             left = np.flatnonzero(refused)
             if not len(left):
                 break
-            again, every = rows.take(left), np.ones(len(left), dtype=bool)
+            again, every = rows.take(left, "R"), np.ones(len(left), dtype=bool)
             again.R = rows.R[left] = self.topology.loose_motions(again)
             z[left], refused[left] = self._solved(again, every, every)
             rows.mu[left] *= np.where(refused[left], 10.0, 1.0)
@@ -193,7 +201,7 @@ class Many:
         self, rows: Rows, at: np.ndarray, rise: np.ndarray, slope: np.ndarray, norm: np.ndarray
     ) -> np.ndarray:
         """Return where a trial will do after all, for rounding; the other rows get their next one."""
-        s = rows.take(at)
+        s = rows.take(at, "R")
         blur = s.t * self.topology.rounding(s)
         noise = 4.0 * np.sqrt(dot(blur, blur))
         met = _is_met(s, rise, slope, noise)
@@ -210,21 +218,19 @@ class Many:
             getattr(rows, name)[at] = getattr(s, name)
         return met
 
-    def _conclude(self, s: Rows, residual: np.ndarray, reference: np.ndarray) -> np.ndarray:
-        """Note rows that balance, and how K's signs are; return (N,) bool, which do not."""
+    def _conclude(self) -> None:
+        """Write down the answers of rows that balance, and how K's signs are."""
+        s, is_told = joined(self.balanced), self.options.analysis != "never"
+        self.balanced = []
+        residual, reference = np.abs(s.g).max(1), np.maximum(np.abs(s.t).max(1), s.load)
         reference, floor = measured(self.topology, s, reference)
-        balanced = residual <= self.options.tolerance * reference
-        done = np.flatnonzero(balanced)
-        if not len(done):
-            return ~balanced
-        s, floor, relative = s.take(done), floor[done], (residual / reference)[done]
-        is_told = self.options.analysis != "never"
         found = signs(self.topology, s, floor, MOST_REFINEMENTS if is_told else 0)
+        if not is_told:
+            found[s.is_covered & (found == BALANCED)] = NEUTRAL
         self.known[s.number] = found
         for row in np.flatnonzero(found == BALANCED).tolist():
             self.nearly[int(s.number[row])] = s.X[row]
-        self._note(s, relative)
-        return ~balanced
+        self._note(s, residual / reference)
 
     def _note(self, s: Rows, relative: np.ndarray) -> None:
         """Write down the answers of rows, in the user's units."""
