@@ -31,6 +31,11 @@ class Rows(SimpleNamespace):
         """Return some rows, copied, without some columns."""
         return Rows(**{name: column[which] for name, column in vars(self).items() if name not in but})
 
+    def fill(self, places: np.ndarray, other: "Rows") -> None:
+        """Replace rows by others with the same columns."""
+        for name, column in vars(other).items():
+            getattr(self, name)[places] = column
+
     def put(self, which: np.ndarray, other: "Rows") -> None:
         """Take over some rows of the columns that `other` has; which: (N,) bool."""
         for name, column in vars(other).items():
@@ -242,8 +247,10 @@ def solved(M: np.ndarray, g: np.ndarray, which: np.ndarray) -> tuple[np.ndarray,
     M: (N, f, f), spent; which: (N,) bool.
     """
     z, failed = np.zeros_like(g), np.zeros(len(g), dtype=bool)
-    for row in np.flatnonzero(which).tolist():
-        _, z[row], failed[row] = dposv(M[row].T, g[row], overwrite_a=1)
+    chosen = np.flatnonzero(which).tolist()
+    A, b = list(M.swapaxes(1, 2)), list(g)
+    for row in chosen:
+        _, z[row], failed[row] = dposv(A[row], b[row], overwrite_a=1)
     return z, failed
 
 

@@ -73,18 +73,22 @@ class Many:
 
     def run(self) -> None:
         """Go through all rows; work in hand is filled up when a quarter of it has left."""
-        batch = AT_ONCE // 4
-        waiting = list(np.split(np.arange(len(self.known)), range(batch, len(self.known), batch)))[::-1]
+        m, begun = len(self.known), 0
         with np.errstate(all="ignore"):
-            rows = self._begun(waiting.pop())
-            while len(rows.number) or waiting:
-                while waiting and len(rows.number) <= AT_ONCE - batch:
-                    rows = joined([rows, self._begun(waiting.pop())])
+            rows = self._begun(np.arange(min(m, AT_ONCE)))
+            begun = len(rows.number)
+            while rows.active.any() or begun < m:
+                idle = np.flatnonzero(~rows.active)[: m - begun]
+                if begun == m:
+                    rows = rows.take(rows.active) if 2 * rows.active.sum() <= len(rows.active) else rows
+                elif 4 * len(idle) >= min(AT_ONCE, m - begun):
+                    rows.fill(idle, self._begun(np.arange(begun, begun + len(idle))))
+                    begun += len(idle)
                 self._step(rows)
-                if 4 * rows.active.sum() <= 3 * len(rows.active):
-                    rows = rows.take(rows.active)
-                if sum(len(s.number) for s in self.balanced) >= AT_ONCE or not (len(rows.number) or waiting):
+                if sum(len(s.number) for s in self.balanced) >= AT_ONCE:
                     self._conclude()
+            if self.balanced:
+                self._conclude()
 
     def _begun(self, number: np.ndarray) -> Rows:
         """Return rows at their starts, with their first directions."""
