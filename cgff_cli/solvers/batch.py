@@ -70,6 +70,7 @@ class Topology:
         self.pairs, which = np.unique(pairs, axis=1, return_inverse=True)
         which = which.reshape(-1)[node[:, None] * m + node]
         self.places = (block * self.pairs.shape[1] + which).reshape(-1)
+        self.work = np.empty((0, 1, 1)), np.empty((0, 1))
 
     def framed(self, X: np.ndarray, k: np.ndarray, l0: np.ndarray, loads: np.ndarray) -> Rows:
         """Return what stays the same while rows move, each in its own frame, as `mechanics.frame` has it.
@@ -134,13 +135,23 @@ class Topology:
         return full
 
     def stiffness(self, s: Rows, q: np.ndarray, taut: np.ndarray) -> np.ndarray:
-        """Return K, (N, f, f), eq. (11). s: states; q: (N, b) force densities in place of their own."""
+        """Return K, (N, f, f), eq. (11), good until the next call.
+
+        s: states; q: (N, b) force densities in place of their own; taut: (N, b) bool.
+        """
         l2 = s.l * s.l
         w = s.kl0 / (l2 * s.l) * taut + (s.q - q) / l2
         B = tangent.blocks(np.ascontiguousarray(s.V.swapaxes(0, 1)), w, q)
-        K = B.reshape(-1, *w.shape).swapaxes(0, 1) @ self.pairs
-        f = len(self.dofs)
-        return K.reshape(len(w), -1).take(self.places, axis=1).reshape(-1, f, f)
+        sums, K = self._work(len(w))
+        np.matmul(B.reshape(-1, *w.shape).swapaxes(0, 1), self.pairs, out=sums)
+        sums.reshape(len(w), -1).take(self.places, axis=1, out=K, mode="clip")
+        return K.reshape(len(w), len(self.dofs), -1)
+
+    def _work(self, N: int) -> tuple[np.ndarray, ...]:
+        """Return arrays for the sums and the entries of N matrices: fresh memory costs more than filling it."""
+        if len(self.work[0]) < N:
+            self.work = np.empty((N, self.d * self.d, self.pairs.shape[1])), np.empty((N, len(self.places)))
+        return tuple(array[:N] for array in self.work)
 
     def taut(self, s: Rows) -> np.ndarray:
         """Return (N, b) bool, not slack."""
