@@ -1,6 +1,6 @@
 """One scene with many sets of numbers: together as a batch where that is sure of its answers, else in turn."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from cgff_cli.options import SolveOptions
 from cgff_cli.pipeline import METHODS
 from cgff_cli.scene.fields import sizes_fit
 from cgff_cli.scene.scene import Scene
-from cgff_cli.solvers.batch import BALANCED, NEUTRAL, OPEN, STABLE
+from cgff_cli.solvers.batch.signs import BALANCED, NEUTRAL, OPEN, STABLE
 from cgff_cli.solvers.many import Many, Values
 from cgff_cli.solvers.solution import Solution
 from cgff_cli.solvers.stopping import Verdict

@@ -15,25 +15,23 @@ from cgff_cli.mechanics import elements
 from cgff_cli.mechanics.elements import EPS
 from cgff_cli.mechanics.signs import MOST_REFINEMENTS
 from cgff_cli.options import SolveOptions
-from cgff_cli.solvers.batch import BALANCED, NEUTRAL, OPEN, Rows, Topology, dot, joined, measured, shifted, signs, solved
+from cgff_cli.solvers.batch.lines import is_met, search
+from cgff_cli.solvers.batch.rows import Rows, Topology, dot, joined, shifted, solved
+from cgff_cli.solvers.batch.signs import BALANCED, NEUTRAL, OPEN, measured, signs
 from cgff_cli.solvers.descent import DOWNHILL, LOST_CONJUGACY, MOST_FAILURES
-from cgff_cli.solvers.line_search import (
-    ENOUGH_DECREASE,
-    FLAT_ENOUGH_FOR_NEWTON,
-    INSIDE,
-    LARGEST_GROWTH,
-    MAX_TRIALS,
-)
 from cgff_cli.solvers.preconditioners.base import FIRST_SHIFT, LEAST_SHIFT, LONG_STEP, SHORT_STEP
 from cgff_cli.solvers.saddles import COINCIDENT
 from cgff_cli.solvers.stopping import FAR, FAR_ABOVE, VANISHED, WAIT
 from cgff_cli.structure import Structure
 
-OF_THE_LOOP = tuple("R mu z gz d slope alpha final tries shrinks low high best waited active".split())
+OF_THE_LOOP = ("R", "mu", "z", "gz", "d", "slope", "alpha", "final", "tries", "shrinks", "low", "high")
 """Columns that what is known of a state does without."""
 
 AT_ONCE = 512
-"""Rows in work at a time."""
+"""Rows in work at a time: more gain nothing, 128 take a third longer for prisms (tests/studies/many.py)."""
+
+ENTRIES = 2**21
+"""Entries of the matrices in work at a time: 16 MB each for those of the last step and of the loose motions."""
 
 
 class Values(NamedTuple):
@@ -73,19 +71,20 @@ class Many:
 
     def run(self) -> None:
         """Go through all rows; work in hand is filled up when a quarter of it has left."""
-        m, begun = len(self.known), 0
+        m, f = len(self.known), len(self.topology.dofs)
+        at_once = min(AT_ONCE, 1 + ENTRIES // (f * f))
         with np.errstate(all="ignore"):
-            rows = self._begun(np.arange(min(m, AT_ONCE)))
+            rows = self._begun(np.arange(min(m, at_once)))
             begun = len(rows.number)
             while rows.active.any() or begun < m:
                 idle = np.flatnonzero(~rows.active)[: m - begun]
                 if begun == m:
                     rows = rows.take(rows.active) if 2 * rows.active.sum() <= len(rows.active) else rows
-                elif 4 * len(idle) >= min(AT_ONCE, m - begun):
+                elif 4 * len(idle) >= min(at_once, m - begun):
                     rows.fill(idle, self._begun(np.arange(begun, begun + len(idle))))
                     begun += len(idle)
                 self._step(rows)
-                if sum(len(s.number) for s in self.balanced) >= AT_ONCE:
+                if sum(len(s.number) for s in self.balanced) >= at_once:
                     self._conclude()
             if self.balanced:
                 self._conclude()
@@ -126,10 +125,14 @@ class Many:
         there = self.topology.at(rows, self.topology.moved(rows.X, step))
         rise = 0.5 * dot(rows.k * (there.e - rows.e), there.e + rows.e) - dot(rows.F, step)
         slope = dot(there.g, rows.d)
-        moves = rows.final | _is_met(rows, rise, slope, 0.0)
-        search = np.flatnonzero(rows.active & ~moves)
-        if len(search):
-            moves[search] = self._search(rows, search, rise[search], slope[search], there.norm[search])
+        moves = rows.final | is_met(rows, rise, slope, 0.0)
+        short = np.flatnonzero(rows.active & ~moves)
+        if len(short):
+            s = rows.take(short, "R")
+            blur = s.t * self.topology.rounding(s)
+            noise = 4.0 * np.sqrt(dot(blur, blur))
+            moves[short] = is_met(s, rise[short], slope[short], noise)
+            rows.fill(short, search(s, rise[short], slope[short], noise, there.norm[short] < s.norm))
         X = rows.X.reshape(len(step), -1)
         rows.active &= ~moves | (np.sqrt(dot(step, step)) > EPS * np.sqrt(dot(X, X)))
         self._arrive(rows, there, rows.active & moves)
@@ -172,7 +175,9 @@ class Many:
         restart = first | (np.abs(dot(rows.g, rows.z)) > LOST_CONJUGACY * gz) | (slope > -DOWNHILL * gz)
         d, slope = np.where(restart[:, None], -z, d), np.where(restart, -gz, slope)
         line = np.stack((np.zeros_like(slope), np.zeros_like(slope), slope), axis=1)
-        new = Rows(z=z, gz=gz, d=d, slope=slope, low=line, alpha=np.ones_like(slope), final=np.zeros_like(goes))
+        new = Rows(
+            z=z, gz=gz, d=d, slope=slope, low=line, alpha=np.ones_like(slope), final=np.zeros_like(goes)
+        )
         rows.put(goes, new)
         rows.high[goes], rows.tries[goes] = np.inf, 0
         rows.active &= ~goes | (slope < 0.0)
@@ -201,27 +206,6 @@ class Many:
         M += rows.R
         return solved(shifted(M, rows.mu[:, None] * rows.S), rows.g, goes)
 
-    def _search(
-        self, rows: Rows, at: np.ndarray, rise: np.ndarray, slope: np.ndarray, norm: np.ndarray
-    ) -> np.ndarray:
-        """Return where a trial will do after all, for rounding; the other rows get their next one."""
-        s = rows.take(at, "R")
-        blur = s.t * self.topology.rounding(s)
-        noise = 4.0 * np.sqrt(dot(blur, blur))
-        met = _is_met(s, rise, slope, noise)
-        s.shrinks = np.where(s.tries == 0, norm < s.norm, s.shrinks)
-        s.tries += 1
-        trial = np.stack((s.alpha, rise, slope), axis=1)
-        is_low = (_descends(s, rise, noise) & (slope < 0.0))[:, None]
-        s.low, s.high = np.where(is_low, trial, s.low), np.where(is_low, s.high, trial)
-        bracketed, a = np.isfinite(s.high[:, 0]), _next(s, slope, noise)
-        s.final = bracketed & ~((s.low[:, 0] < a) & (a < s.high[:, 0])) | (s.tries >= MAX_TRIALS)
-        best = np.where((s.low[:, 0] == 0.0) & s.shrinks, 1.0, s.low[:, 0])
-        s.alpha = np.where(met, s.alpha, np.where(s.final, best, a))
-        for name in ("shrinks", "tries", "low", "high", "final", "alpha"):
-            getattr(rows, name)[at] = getattr(s, name)
-        return met
-
     def _conclude(self) -> None:
         """Write down the answers of rows that balance, and how K's signs are."""
         s, is_told = joined(self.balanced), self.options.analysis != "never"
@@ -244,31 +228,6 @@ class Many:
         held = self.values.coordinates[number]
         self.coordinates[number] = np.where(free, shape + s.centre[:, None], held)
         self.forces[number] = s.t * unit[:, None]
-        work = (loads * shape).sum((1, 2)) + (loads * s.centre[:, None]).sum((1, 2))
+        work = dot(loads.reshape(len(s.t), -1), (shape + s.centre[:, None]).reshape(len(s.t), -1))
         self.energy[number] = elements.energy(s.t, s.e) * (unit * s.length) - work
         self.relative[number], self.iterations[number] = relative, s.iteration
-
-
-def _descends(s: Rows, rise: np.ndarray, noise: np.ndarray | float) -> np.ndarray:
-    """Return where trials satisfy the first Wolfe condition."""
-    return rise <= ENOUGH_DECREASE * s.alpha * s.slope + noise
-
-
-def _is_met(s: Rows, rise: np.ndarray, slope: np.ndarray, noise: np.ndarray | float) -> np.ndarray:
-    """Return where trials satisfy both."""
-    return _descends(s, rise, noise) & (np.abs(slope) <= -FLAT_ENOUGH_FOR_NEWTON * s.slope)
-
-
-def _next(s: Rows, slope: np.ndarray, noise: np.ndarray) -> np.ndarray:
-    """Return the next steps of lines, as `line_search._next` does for one."""
-    (low, low_rise, low_slope), (high, high_rise, high_slope) = s.low.T, s.high.T
-    secant = np.where(slope > s.slope, s.alpha * s.slope / (s.slope - slope), np.inf)
-    beyond = np.minimum(np.maximum(secant, 1.1 * s.alpha), LARGEST_GROWTH * s.alpha)
-    width, bend = high - low, high_slope - low_slope
-    c = low_slope + high_slope + 3.0 * (low_rise - high_rise) / width
-    root = np.sqrt(c * c - low_slope * high_slope)
-    cubic = high - width * (high_slope + root - c) / (bend + 2.0 * root)
-    by_slopes = np.abs(high_rise - low_rise) <= noise
-    a = np.where(by_slopes, np.where(bend > 0.0, low - width * low_slope / bend, np.inf), cubic)
-    inside = (INSIDE * width <= a - low) & (a - low <= (1.0 - INSIDE) * width)
-    return np.where(np.isinf(high), beyond, np.where(inside, a, low + 0.5 * width))

@@ -5,23 +5,17 @@ free directions. Matrices are multiplied and factored row by row, all else is el
 row's own entries, so that no bit of a row depends on what stands beside it.
 """
 
-from math import sqrt
 from types import SimpleNamespace
 
 import numpy as np
-from scipy.linalg.lapack import dposv, dpotrf
+from scipy.linalg.lapack import dposv
 
 from cgff_cli.mechanics import elements, tangent
 from cgff_cli.mechanics.connectivity import DenseConnectivity, dense
-from cgff_cli.mechanics.elements import EPS, TINY
+from cgff_cli.mechanics.elements import EPS
 from cgff_cli.mechanics.equilibrium import internal_forces
 from cgff_cli.mechanics.rigid import FLAT
-from cgff_cli.mechanics.signs import BLUR, SETTLED
-from cgff_cli.solvers.stopping import VANISHED
 from cgff_cli.structure import Structure
-
-OPEN, BALANCED, NEUTRAL, STABLE = range(4)
-"""What is known of a row: nothing, so that it is for form_find; that forces balance; its stability too."""
 
 
 class Rows(SimpleNamespace):
@@ -53,16 +47,17 @@ class Topology:
     def __init__(self, structure: Structure):
         s = self.structure = structure
         n, self.d = s.coordinates.shape
-        self.moves = s.free.any(axis=1)
-        self.all_free = bool(s.free.all())
-        self.has_held = not bool(self.moves.all())
+        moves = np.asarray(s.free.any(axis=1))
+        self.all_free, self.has_held = bool(s.free.all()), not bool(moves.all())
+        self.moving, self.still = np.flatnonzero(moves), np.flatnonzero(~moves)
         self.rho_t = dense(s.start, s.end, n)
-        moves = self.moves if self.has_held else None
-        self.connectivity = DenseConnectivity(s.start, s.end, s.coordinates.T, moves)
+        self.connectivity = DenseConnectivity(
+            s.start, s.end, s.coordinates.T, moves if self.has_held else None
+        )
         self.least = elements.least_extensions(s.tension_only)
-        self.free = s.free.T.reshape(-1)
-        m = int(self.moves.sum())
-        self.dofs = np.flatnonzero(s.free[self.moves].T)
+        self.free, self.fixed = np.flatnonzero(s.free.T), np.flatnonzero(~s.free.T)
+        m = len(self.moving)
+        self.dofs = np.flatnonzero(s.free[moves].T)
         axis, node = np.divmod(self.dofs, m)
         self.node = node
         block = axis[:, None] * self.d + axis
@@ -84,8 +79,8 @@ class Topology:
         X = np.ascontiguousarray((X / length[:, None, None]).swapaxes(1, 2))
         k, l0 = k / stiffness[:, None], l0 / length[:, None]
         loads = np.ascontiguousarray((loads / (stiffness * length)[:, None, None]).swapaxes(1, 2))
-        F = loads[:, :, self.moves].reshape(len(X), -1)[:, self.dofs]
-        nodal = (k[:, None] @ np.abs(self.rho_t.T))[:, 0][:, self.moves]
+        F = loads.take(self.moving, axis=2).reshape(len(X), -1).take(self.dofs, axis=1)
+        nodal = (k[:, None] @ np.abs(self.rho_t.T)).take(self.moving, axis=2)[:, 0]
         is_pinned = self._is_pinned(X)
         is_afloat = ~loads.any((1, 2)) & ~is_pinned
         V = X @ self.rho_t
@@ -94,14 +89,14 @@ class Topology:
             length=length,
             stiffness=stiffness,
             all=X,
-            start=np.ascontiguousarray(X[:, :, self.moves]),
-            held=X[:, :, ~self.moves] @ self.rho_t[~self.moves],
+            start=X.take(self.moving, axis=2),
+            held=X.take(self.still, axis=2) @ self.rho_t[self.still],
             k=k,
             l0=l0,
             kl0=k * l0,
             F=F,
             load=np.abs(F).max(1, initial=0.0),
-            S=np.where(nodal > 0.0, nodal, nodal.mean(1)[:, None])[:, self.node],
+            S=np.where(nodal > 0.0, nodal, nodal.mean(1)[:, None]).take(self.node, axis=1),
             stiffest=nodal.max(1),
             loose=np.where(is_afloat, np.add.reduce(k, 1) / k.shape[1], 0.0),
             is_covered=is_afloat if self.all_free else is_pinned,
@@ -117,7 +112,8 @@ class Topology:
         e = elements.extensions(l - rows.l0, self.least)
         t = elements.forces(rows.k, e)
         q = elements.force_densities(t, l)
-        g = internal_forces(self.connectivity, V, q[:, None]).reshape(len(X), -1)[:, self.dofs] - rows.F
+        pull = internal_forces(self.connectivity, V, q[:, None]).reshape(len(X), -1)
+        g = pull.take(self.dofs, axis=1) - rows.F
         return Rows(X=X, V=V, l=l, e=e, t=t, q=q, g=g, norm=np.sqrt(dot(g, g)))
 
     def moved(self, X: np.ndarray, step: np.ndarray) -> np.ndarray:
@@ -131,7 +127,7 @@ class Topology:
         if not self.has_held:
             return X
         full = rows.all.copy()
-        full[:, :, self.moves] = X
+        full[:, :, self.moving] = X
         return full
 
     def stiffness(self, s: Rows, q: np.ndarray, taut: np.ndarray) -> np.ndarray:
@@ -162,89 +158,27 @@ class Topology:
         R = _all_motions(self.everywhere(rows, rows.X))
         if not self.all_free:
             _, values, combined = np.linalg.svd(self._held(R), full_matrices=False)
-            R = R[:, self.free] @ (combined * (values <= FLAT)[:, :, None]).swapaxes(1, 2)
+            R = R.take(self.free, axis=1) @ (combined * (values <= FLAT)[:, :, None]).swapaxes(1, 2)
         return (rows.loose[:, None, None] * R) @ R.swapaxes(1, 2)
 
     def _held(self, R: np.ndarray) -> np.ndarray:
         """Return motions at what is held, with as many rows more as there are motions."""
-        return np.concatenate((R[:, ~self.free], np.zeros((len(R), R.shape[2], R.shape[2]))), axis=1)
+        return np.concatenate(
+            (R.take(self.fixed, axis=1), np.zeros((len(R), R.shape[2], R.shape[2]))), axis=1
+        )
 
     def _is_pinned(self, X: np.ndarray) -> np.ndarray:
         """Return (N,) bool, whether supports allow no rigid motion of (N, d, n) positions."""
         if self.all_free:
             return np.zeros(len(X), dtype=bool)
-        return (np.linalg.svd(self._held(_all_motions(X)), compute_uv=False) > FLAT).all(1)
+        values = np.linalg.svd(self._held(_all_motions(X)), compute_uv=False)
+        return np.asarray((values > FLAT).all(1))
 
     def rounding(self, s: Rows) -> np.ndarray:
         """Return (N, b) how far rounding blurs each extension."""
         reach = np.abs(self.everywhere(s, s.X)).max(1)
-        far = np.maximum(reach[:, self.structure.start], reach[:, self.structure.end])
+        far = np.maximum(reach.take(self.structure.start, axis=1), reach.take(self.structure.end, axis=1))
         return EPS * (far + s.l + np.abs(s.e))
-
-
-def measured(topology: Topology, s: Rows, reference: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return reference and floor, (N,) each, as `Gauge.measure` does where every force may vanish."""
-    floor = ((s.k * topology.rounding(s))[:, None] @ np.abs(topology.rho_t.T)).max((1, 2))
-    vanished = (reference <= VANISHED * np.maximum(floor, EPS * s.at_start)) & (s.load == 0.0)
-    largest = np.maximum((s.k * s.l).max(1), s.at_start)
-    return np.where(vanished, largest, reference), np.where(vanished, np.maximum(floor, EPS * largest), floor)
-
-
-def signs(topology: Topology, s: Rows, floor: np.ndarray, refinements: int) -> np.ndarray:
-    """Return (N,) what is known of balanced states, by the doubts of `mechanics.signs` and `analysis.stability`.
-
-    Stable is what keeps a Cholesky factor less all doubt. The rest takes Newton steps, as many as allowed,
-    until it is balanced to rounding. BALANCED: rigid motions may be idle or not, or forces left over matter.
-    """
-    K, blurred, doubt, unsettled = stiffness_and_doubts(topology, s, floor)
-    found = np.where(are_positive(K, -np.maximum(doubt, unsettled)), STABLE, BALANCED)
-    found[~s.is_covered] = BALANCED
-    left = np.flatnonzero(s.is_covered & (found == BALANCED))
-    if not len(left):
-        return found
-    s, K, floor, blurred, doubt = s.take(left), K[left], floor[left], blurred[left], doubt[left]
-    softest = np.linalg.eigvalsh(K)[:, 0]
-    word = np.where(softest > doubt, STABLE, NEUTRAL)
-    word[(word == NEUTRAL) & (s.norm > VANISHED * floor * sqrt(s.X.shape[2]))] = BALANCED
-    far = np.flatnonzero((refinements > 0) & (s.norm > floor))
-    if len(far):
-        there = refined(topology, s.take(far), K[far], (blurred[far], doubt[far]))
-        nearer = np.flatnonzero(there.norm < s.norm[far])
-        far = far[nearer]
-        if len(far):
-            word[far] = signs(topology, there.take(nearer), floor[far], refinements - 1)
-    word[(softest < -blurred) | (s.l <= 2.0 * TINY).any(1)] = OPEN
-    found[left] = word
-    return found
-
-
-def stiffness_and_doubts(topology: Topology, s: Rows, floor: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Return K of what resists, stiff along loose motions; what rounding blurs, and what has no sign.
-
-    The last, (N,): a softest stiffness above it keeps its sign on the way to the exact equilibrium.
-    """
-    taut, rests = topology.taut(s), s.l0 > 0.0
-    resists = taut & ~((topology.least == 0.0) & rests & (s.t <= VANISHED * floor[:, None]))
-    K = topology.stiffness(s, s.q, resists)
-    reach = np.abs(s.X).max((1, 2))[:, None]
-    own = s.k * (taut & rests) * (1.0 + (reach + np.abs(s.e)) / s.l)
-    flat = K.reshape(len(K), -1)
-    blurred = BLUR * sqrt(K.shape[1]) * np.sqrt(dot(flat, flat)) + 4.0 * EPS * own.max(1)
-    shortest = np.where(rests & taut, s.l, np.inf).min(1)
-    K += topology.loose_motions(s)
-    unsettled = np.sqrt(SETTLED * s.stiffest / shortest * s.norm)
-    return K, blurred, blurred + 4.0 * s.norm / shortest, unsettled
-
-
-def refined(topology: Topology, s: Rows, K: np.ndarray, doubts: tuple[np.ndarray, ...]) -> Rows:
-    """Return the better of two Newton steps, along all that is stiff beyond rounding, and beyond doubt."""
-    values, vectors = np.linalg.eigh(K)
-    along = (s.g[:, None] @ vectors)[:, 0]
-    rates = (np.where(np.abs(values) > least[:, None], along / values, 0.0) for least in doubts)
-    steps = (-(vectors @ rate[:, :, None])[:, :, 0] for rate in rates)
-    best, other = (topology.at(s, topology.moved(s.X, step)) for step in steps)
-    best.put(other.norm < best.norm, other)
-    return Rows(**{**vars(s), **vars(best)})
 
 
 def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -263,12 +197,6 @@ def solved(M: np.ndarray, g: np.ndarray, which: np.ndarray) -> tuple[np.ndarray,
     for row in chosen:
         _, z[row], failed[row] = dposv(A[row], b[row], overwrite_a=1)
     return z, failed
-
-
-def are_positive(K: np.ndarray, shift: np.ndarray) -> np.ndarray:
-    """Return (N,) bool, whether K + shift, (N, f, f) and (N,), has a Cholesky factor."""
-    M = shifted(K.copy(), shift[:, None])
-    return np.array([dpotrf(a, overwrite_a=1)[1] == 0 for a in M.swapaxes(1, 2)], dtype=bool)
 
 
 def shifted(K: np.ndarray, shift: np.ndarray) -> np.ndarray:

@@ -1,0 +1,1 @@
+"""Many structures of one topology side by side: their columns, their lines, the signs of their stiffness."""
