@@ -19,7 +19,7 @@ from cgff_cli.solvers.batch.lines import is_met, search
 from cgff_cli.solvers.batch.rows import Rows, Topology, dot, joined, shifted, solved
 from cgff_cli.solvers.batch.signs import BALANCED, NEUTRAL, OPEN, measured, signs
 from cgff_cli.solvers.descent import DOWNHILL, LOST_CONJUGACY, MOST_FAILURES
-from cgff_cli.solvers.preconditioners.base import FIRST_SHIFT, LEAST_SHIFT, LONG_STEP, SHORT_STEP
+from cgff_cli.solvers.preconditioners.base import CAUTION, FIRST_SHIFT, GOOD_PROGRESS, LEAST_SHIFT, LONG_STEP, SHORT_STEP
 from cgff_cli.solvers.saddles import COINCIDENT
 from cgff_cli.solvers.stopping import FAR, FAR_ABOVE, VANISHED, WAIT
 from cgff_cli.structure import Structure
@@ -105,6 +105,7 @@ class Many:
             waited=np.zeros(N, dtype=int),
             R=np.zeros((N, f, f)),
             mu=np.full(N, FIRST_SHIFT),
+            trusted=np.zeros(N, dtype=bool),
             z=np.zeros((N, f)),
             gz=np.zeros(N),
             d=np.zeros((N, f)),
@@ -144,6 +145,7 @@ class Many:
         mu = np.where(rows.alpha > LONG_STEP, lower, np.where(rows.alpha < SHORT_STEP, 10.0, 1.0) * rows.mu)
         rows.mu = np.where(moved, mu, rows.mu)
         rows.iteration += moved
+        rows.trusted = np.where(moved, (rows.alpha == 1.0) & (there.norm < GOOD_PROGRESS * rows.norm), rows.trusted)
         rows.put(moved, there)
         self._turn(rows, moved)
 
@@ -167,12 +169,12 @@ class Many:
     def _direct(self, rows: Rows, goes: np.ndarray) -> None:
         """Give rows the direction of eq. (13), restarted as in `descent`, and its full step to try."""
         first = rows.iteration == 0
-        z = self._preconditioned(rows, goes, first)
+        z, uphill = self._preconditioned(rows, goes, first)
         gz = dot(rows.g, z)
         fr = np.where(rows.gz != 0.0, gz / rows.gz, 0.0)
         d = fr[:, None] * rows.d - z
         slope = dot(rows.g, d)
-        restart = first | (np.abs(dot(rows.g, rows.z)) > LOST_CONJUGACY * gz) | (slope > -DOWNHILL * gz)
+        restart = first | uphill | (np.abs(dot(rows.g, rows.z)) > LOST_CONJUGACY * gz) | (slope > -DOWNHILL * gz)
         d, slope = np.where(restart[:, None], -z, d), np.where(restart, -gz, slope)
         line = np.stack((np.zeros_like(slope), np.zeros_like(slope), slope), axis=1)
         new = Rows(
@@ -182,29 +184,39 @@ class Many:
         rows.high[goes], rows.tries[goes] = np.inf, 0
         rows.active &= ~goes | (slope < 0.0)
 
-    def _preconditioned(self, rows: Rows, goes: np.ndarray, first: np.ndarray) -> np.ndarray:
-        """Return M^-1 g, (N, f), NaN where no M has a Cholesky factor; shifts grow as in `Tangent.refresh`."""
+    def _preconditioned(self, rows: Rows, goes: np.ndarray, first: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return M^-1 g, (N, f), NaN where no M has a Cholesky factor, and (N,) bool: where trust failed.
+
+        Shifts grow and loose motions are renewed as `Tangent` and `DenseTangent` do it.
+        """
         renew = goes & (rows.loose > 0.0) & (first | (rows.alpha < LONG_STEP))
         if renew.any():
             rows.R[renew] = self.topology.loose_motions(rows.take(renew, *OF_THE_LOOP))
         z, refused = self._solved(rows, goes, first)
+        uphill = goes & ~refused & ~(dot(rows.g, z) > 0.0)
+        if uphill.any():
+            rows.mu[uphill] *= CAUTION
+            rows.trusted[uphill] = False
+            again = rows.take(uphill)
+            z[uphill], refused[uphill] = self._solved(again, ~again.trusted, again.trusted)
         for _ in range(MOST_FAILURES):
             left = np.flatnonzero(refused)
             if not len(left):
                 break
             again, every = rows.take(left, "R"), np.ones(len(left), dtype=bool)
             again.R = rows.R[left] = self.topology.loose_motions(again)
+            again.trusted = ~every
             z[left], refused[left] = self._solved(again, every, every)
             rows.mu[left] *= np.where(refused[left], 10.0, 1.0)
         z[refused] = np.nan
-        return z
+        return z, uphill
 
-    def _solved(self, rows: Rows, goes: np.ndarray, clipped: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _solved(self, rows: Rows, goes: np.ndarray, clipped: np.ndarray) -> tuple[np.ndarray, ...]:
         """Return M^-1 g, and where M has no factor; clipped: (N,) bool, without negative force densities."""
         q = np.where(clipped[:, None], np.maximum(rows.q, 0.0), rows.q)
         M = self.topology.stiffness(rows, q, self.topology.taut(rows))
         M += rows.R
-        return solved(shifted(M, rows.mu[:, None] * rows.S), rows.g, goes)
+        return solved(shifted(M, rows.mu[:, None] * rows.S), rows.g, goes, rows.trusted)
 
     def _conclude(self) -> None:
         """Write down the answers of rows that balance, and how K's signs are."""

@@ -8,7 +8,7 @@ row's own entries, so that no bit of a row depends on what stands beside it.
 from types import SimpleNamespace
 
 import numpy as np
-from scipy.linalg.lapack import dposv
+from scipy.linalg.lapack import dgesv, dposv
 
 from cgff_cli.mechanics import elements, tangent
 from cgff_cli.mechanics.connectivity import DenseConnectivity, dense
@@ -186,16 +186,18 @@ def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.add.reduce(a * b, 1)
 
 
-def solved(M: np.ndarray, g: np.ndarray, which: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def solved(M: np.ndarray, g: np.ndarray, which: np.ndarray, trusted: np.ndarray) -> tuple[np.ndarray, ...]:
     """Return M^-1 g, (N, f), of some rows, else 0; and (N,) bool: which M have no Cholesky factor.
 
-    M: (N, f, f), spent; which: (N,) bool.
+    M: (N, f, f); which, trusted: (N,) bool; where trusted, M may be indefinite.
     """
     z, failed = np.zeros_like(g), np.zeros(len(g), dtype=bool)
-    chosen = np.flatnonzero(which).tolist()
     A, b = list(M.swapaxes(1, 2)), list(g)
-    for row in chosen:
-        _, z[row], failed[row] = dposv(A[row], b[row], overwrite_a=1)
+    for row in np.flatnonzero(which).tolist():
+        _, z[row], info = dposv(A[row], b[row])
+        if info and trusted[row]:
+            _, _, z[row], info = dgesv(A[row], b[row])
+        failed[row] = info
     return z, failed
 
 
