@@ -1,4 +1,4 @@
-"""One scene with many sets of numbers: together as a batch where that is sure of its answers, else in turn."""
+"""One scene with many sets of numbers: together where a batch is sure of its answers, else in turn."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,8 @@ from cgff_cli.mechanics.state import Mechanics
 from cgff_cli.options import SolveOptions
 from cgff_cli.pipeline import METHODS
 from cgff_cli.scene.fields import sizes_fit
-from cgff_cli.scene.scene import Scene
+from cgff_cli.scene.physics import ROUNDING, all_pairs, component_labels
+from cgff_cli.scene.scene import AXES, Scene
 from cgff_cli.solvers.batch.signs import BALANCED, NEUTRAL, OPEN, STABLE
 from cgff_cli.solvers.many import Many, Values
 from cgff_cli.solvers.solution import Solution
@@ -66,7 +67,7 @@ def solve_many(
     given = {"rest_lengths": rest_lengths, "EA": EA, "loads": loads, "coordinates": coordinates}
     values = _values(scene, structure, given)
     found = Many(structure, values, options)
-    if _suits(structure, options):
+    if len(found.known) and _suits(structure, options):
         found.run()
     known = found.known
     answers = Solutions(
@@ -101,12 +102,8 @@ def _suits(structure: Structure, options: SolveOptions) -> bool:
 def _finish(
     answers: Solutions, row: int, structure: Structure, X: np.ndarray | None, options: SolveOptions
 ) -> None:
-    """Fill in a row by itself: from its own start, unless the batch found it balanced at X (d, m), a minimum."""
-    solution = None
-    if X is not None:
-        state = Mechanics(structure).at(X)
-        if steepest_fall(state) is None:
-            solution = Solution(state, Verdict.CONVERGED, options.tolerance, 0)
+    """Fill in a row by itself: by form_find, unless the batch left it at a minimum X (d, m) that can be told."""
+    solution = None if X is None else _at(structure, X, options)
     if solution is None:
         solution = METHODS[options.method](structure, options, None)
         if solution.verdict is Verdict.INTERRUPTED:
@@ -117,6 +114,14 @@ def _finish(
     answers.converged[row], answers.verdicts[row] = solution.verdict.converged, solution.verdict.value
     answers.residual_relative[row], answers.energy[row] = solution.relative, solution.energy
     answers.stability[row] = stability_of(solution, options).get("stability")
+
+
+def _at(structure: Structure, X: np.ndarray, options: SolveOptions) -> Solution | None:
+    """Return the solution that balances at X (d, m) in its frame; None if K falls there, or tells nothing."""
+    state = Mechanics(structure).at(X)
+    solution = Solution(state, Verdict.CONVERGED, options.tolerance, 0)
+    told = {"stability": ""} if options.analysis == "never" else stability_of(solution, options)
+    return solution if steepest_fall(state) is None and told["stability"] is not None else None
 
 
 def _values(scene: Scene, structure: Structure, given: dict[str, object]) -> Values:
@@ -140,6 +145,8 @@ def _values(scene: Scene, structure: Structure, given: dict[str, object]) -> Val
         raise OptionError(f"all arrays must have as many rows as there are structures; {told}")
     m = next(iter(counts.values()), 1)
     full = {name: np.broadcast_to(arrays.get(name, value), (m, *value.shape)) for name, value in own.items()}
+    if "loads" in arrays:
+        _check_net_loads(scene, full["loads"])
     k = stiffness(scene.law, full["EA"], full["rest_lengths"])
     return Values(full["coordinates"], k, full["rest_lengths"], full["loads"])
 
@@ -153,10 +160,32 @@ def _checked(name: str, value: object, shape: tuple[int, ...], lower: str) -> np
     if array.shape[1:] != shape or array.ndim != 1 + len(shape):
         wanted = ", ".join(("m", *map(str, shape)))
         raise OptionError(
-            f"{name} must have the shape ({wanted}), a row for each of m structures in the scene's own order, "
-            f"got {array.shape}"
+            f"{name} must have the shape ({wanted}), a row for each of m structures in the scene's own "
+            f"order, got {array.shape}"
         )
     if not sizes_fit(array, lower):
-        allowed = {"": "", "> 0": "> 0, from 1e-30 up, and ", ">= 0": ">= 0, from 1e-30 up or 0, and "}[lower]
-        raise OptionError(f"{name} must be {allowed}finite and at most 1e30 in size")
+        allowed = {
+            "> 0": "finite numbers from 1e-30 to 1e30",
+            ">= 0": "0 or finite numbers from 1e-30 to 1e30",
+        }
+        raise OptionError(f"{name} must be {allowed.get(lower, 'finite numbers of at most 1e30 in size')}")
     return array
+
+
+def _check_net_loads(scene: Scene, loads: np.ndarray) -> None:
+    """Raise OptionError for a row whose loads add up along an axis that a part is free to move along.
+
+    loads: (m, n, d). As for a scene's own loads, there is no equilibrium to find.
+    """
+    labels = component_labels(loads.shape[1], all_pairs(scene.groups))
+    for part in range(int(labels.max()) + 1):
+        members = np.flatnonzero(labels == part)
+        own = loads[:, members]
+        net, gross = np.abs(own.sum(axis=1)), np.abs(own).sum(axis=1)
+        held = "".join(scene.supports.get(int(row), "") for row in members)
+        free = np.array([axis not in held for axis in AXES[: loads.shape[2]]])
+        for row, axis in np.argwhere(free & (net > ROUNDING * gross))[:1].tolist():
+            raise OptionError(
+                f"loads of row {row} (the first is row 0): no equilibrium exists, as they add up along "
+                f"{AXES[axis]}, and no support holds the part with node {scene.node_names[members[0]]} there"
+            )

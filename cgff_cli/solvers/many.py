@@ -19,7 +19,14 @@ from cgff_cli.solvers.batch.lines import is_met, search
 from cgff_cli.solvers.batch.rows import Rows, Topology, dot, joined, shifted, solved
 from cgff_cli.solvers.batch.signs import BALANCED, NEUTRAL, OPEN, measured, signs
 from cgff_cli.solvers.descent import DOWNHILL, LOST_CONJUGACY, MOST_FAILURES
-from cgff_cli.solvers.preconditioners.base import CAUTION, FIRST_SHIFT, GOOD_PROGRESS, LEAST_SHIFT, LONG_STEP, SHORT_STEP
+from cgff_cli.solvers.preconditioners.base import (
+    CAUTION,
+    FIRST_SHIFT,
+    GOOD_PROGRESS,
+    LEAST_SHIFT,
+    LONG_STEP,
+    SHORT_STEP,
+)
 from cgff_cli.solvers.saddles import COINCIDENT
 from cgff_cli.solvers.stopping import FAR, FAR_ABOVE, VANISHED, WAIT
 from cgff_cli.structure import Structure
@@ -60,7 +67,7 @@ class Many:
     """
 
     def __init__(self, structure: Structure, values: Values, options: SolveOptions):
-        self.topology, self.values, self.options = Topology(structure), values, options
+        self.structure, self.values, self.options = structure, values, options
         m = len(values.loads)
         self.known, self.iterations = np.full(m, OPEN), np.zeros(m, dtype=int)
         self.relative, self.energy = np.zeros(m), np.zeros(m)
@@ -71,6 +78,7 @@ class Many:
 
     def run(self) -> None:
         """Go through all rows; work in hand is filled up when a quarter of it has left."""
+        self.topology = Topology(self.structure)
         m, f = len(self.known), len(self.topology.dofs)
         at_once = min(AT_ONCE, 1 + ENTRIES // (f * f))
         with np.errstate(all="ignore"):
@@ -145,7 +153,9 @@ class Many:
         mu = np.where(rows.alpha > LONG_STEP, lower, np.where(rows.alpha < SHORT_STEP, 10.0, 1.0) * rows.mu)
         rows.mu = np.where(moved, mu, rows.mu)
         rows.iteration += moved
-        rows.trusted = np.where(moved, (rows.alpha == 1.0) & (there.norm < GOOD_PROGRESS * rows.norm), rows.trusted)
+        rows.trusted = np.where(
+            moved, (rows.alpha == 1.0) & (there.norm < GOOD_PROGRESS * rows.norm), rows.trusted
+        )
         rows.put(moved, there)
         self._turn(rows, moved)
 
@@ -174,7 +184,9 @@ class Many:
         fr = np.where(rows.gz != 0.0, gz / rows.gz, 0.0)
         d = fr[:, None] * rows.d - z
         slope = dot(rows.g, d)
-        restart = first | uphill | (np.abs(dot(rows.g, rows.z)) > LOST_CONJUGACY * gz) | (slope > -DOWNHILL * gz)
+        restart = (
+            first | uphill | (np.abs(dot(rows.g, rows.z)) > LOST_CONJUGACY * gz) | (slope > -DOWNHILL * gz)
+        )
         d, slope = np.where(restart[:, None], -z, d), np.where(restart, -gz, slope)
         line = np.stack((np.zeros_like(slope), np.zeros_like(slope), slope), axis=1)
         new = Rows(
@@ -184,7 +196,9 @@ class Many:
         rows.high[goes], rows.tries[goes] = np.inf, 0
         rows.active &= ~goes | (slope < 0.0)
 
-    def _preconditioned(self, rows: Rows, goes: np.ndarray, first: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _preconditioned(
+        self, rows: Rows, goes: np.ndarray, first: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Return M^-1 g, (N, f), NaN where no M has a Cholesky factor, and (N,) bool: where trust failed.
 
         Shifts grow and loose motions are renewed as `Tangent` and `DenseTangent` do it.
@@ -236,7 +250,7 @@ class Many:
         """Write down the answers of rows, in the user's units."""
         number, unit = s.number, s.length * s.stiffness
         shape = self.topology.everywhere(s, s.X).swapaxes(1, 2) * s.length[:, None, None]
-        free, loads = self.topology.structure.free, self.values.loads[number]
+        free, loads = self.structure.free, self.values.loads[number]
         held = self.values.coordinates[number]
         self.coordinates[number] = np.where(free, shape + s.centre[:, None], held)
         self.forces[number] = s.t * unit[:, None]

@@ -143,7 +143,8 @@ def measured(scene, name, arguments):
             with np.errstate(all="ignore"):
                 seconds, answers = clocked(
                     lambda rival=rival, few=few, l0=l0: [
-                        by_fsolve(s, one.coordinates, l0[row], rival == "exact") for row, one in enumerate(few)
+                        by_fsolve(s, one.coordinates, l0[row], rival == "exact")
+                        for row, one in enumerate(few)
                     ]
                 )
                 failures[rival] += (balance(s, np.stack(answers), l0[:SAMPLE]) > 1e-8).tolist()
@@ -164,7 +165,9 @@ def main():
     parser.add_argument("--at-once", type=int, default=many.AT_ONCE)
     arguments = parser.parse_args()
     many.AT_ONCE = arguments.at_once
-    print(f"{'':27}{'rows':>6}{'us':>7}{'a second':>9}{'solve':>7}{'fsolve':>7}{'exact':>7}   alone off   fails")
+    print(
+        f"{'':27}{'rows':>6}{'us':>7}{'a second':>9}{'solve':>7}{'fsolve':>7}{'exact':>7}   alone off   fails"
+    )
     for title, scene in scenes().items():
         if arguments.only not in title:
             continue

@@ -159,6 +159,8 @@ class Topology:
         if not self.all_free:
             _, values, combined = np.linalg.svd(self._held(R), full_matrices=False)
             R = R.take(self.free, axis=1) @ (combined * (values <= FLAT)[:, :, None]).swapaxes(1, 2)
+            R, values, _ = np.linalg.svd(R, full_matrices=False)
+            R *= (values > FLAT)[:, None]
         return (rows.loose[:, None, None] * R) @ R.swapaxes(1, 2)
 
     def _held(self, R: np.ndarray) -> np.ndarray:
