@@ -102,7 +102,7 @@ def _suits(structure: Structure, options: SolveOptions) -> bool:
 def _finish(
     answers: Solutions, row: int, structure: Structure, X: np.ndarray | None, options: SolveOptions
 ) -> None:
-    """Fill in a row by itself: by form_find, unless the batch left it at a minimum X (d, m) that can be told."""
+    """Fill in a row by itself: by form_find, unless the batch left it balanced at X (d, m), a minimum."""
     solution = None if X is None else _at(structure, X, options)
     if solution is None:
         solution = METHODS[options.method](structure, options, None)

@@ -53,5 +53,5 @@ def from_scene(scene: Scene) -> Structure:
 
 
 def stiffness(law: str, EA: np.ndarray, rest_lengths: np.ndarray) -> np.ndarray:
-    """Return k in force = k (l - l0): EA under law `paper`, eq. (2), EA over the rest length under `hooke`."""
+    """Return k in force = k (l - l0): EA under law `paper`, eq. (2), EA / l0 under `hooke`."""
     return EA if law == "paper" else EA / rest_lengths

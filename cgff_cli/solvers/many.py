@@ -38,7 +38,7 @@ AT_ONCE = 512
 """Rows in work at a time: more gain nothing, 128 take a third longer for prisms (tests/studies/many.py)."""
 
 ENTRIES = 2**21
-"""Entries of the matrices in work at a time: 16 MB each for those of the last step and of the loose motions."""
+"""Entries of all matrices in work at a time: 16 MB each for those of a step and of loose motions."""
 
 
 class Values(NamedTuple):

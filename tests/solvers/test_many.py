@@ -49,7 +49,7 @@ SCENES = {
 
 
 def varied(of: Scene, m: int = 12, seed: int = 0) -> dict[str, np.ndarray]:
-    """Return rest lengths up to 4 % off, stiffnesses and loads up to half as much more, starts moved by 5 %."""
+    """Return rest lengths up to 4 % off, stiffnesses and loads up to half more, starts moved by 5 %."""
     rng, s = np.random.default_rng(seed), from_scene(of)
     EA = np.concatenate([group.EA for group in of.groups])
     size = np.ptp(s.coordinates, axis=0).max()
@@ -174,7 +174,7 @@ def test_loads_that_nothing_balances_are_refused_as_in_a_scene():
     loads = np.zeros((2, 6, 3))
     loads[1, 3, 1] = 1.0
     with pytest.raises(
-        cgff_cli.OptionError, match="^loads of row 1 .*add up along y, .* part with node n1 there"
+        cgff_cli.OptionError, match=r"^loads of row 1 .*add up along y, .* part with node n1 there"
     ):
         cgff_cli.solve_many(shipped("prism"), loads=loads)
     assert cgff_cli.solve_many(held_prism(), loads=loads).converged.all()
@@ -253,13 +253,13 @@ def test_numbers_out_of_range_are_refused(law, name, wrong, allowed):
 
 
 def test_arrays_of_different_lengths_are_refused():
-    with pytest.raises(cgff_cli.OptionError, match="as many rows.*; rest_lengths has 2, EA has 3$"):
+    with pytest.raises(cgff_cli.OptionError, match=r"as many rows.*; rest_lengths has 2, EA has 3$"):
         cgff_cli.solve_many(shipped("prism"), rest_lengths=np.ones((2, 12)), EA=np.ones((3, 12)))
 
 
 def test_what_is_no_array_of_numbers_is_refused():
     for wrong in ("many", [[1.0], [1.0, 2.0]], [["a"] * 12]):
-        with pytest.raises(cgff_cli.OptionError, match="^EA must be an array of numbers$"):
+        with pytest.raises(cgff_cli.OptionError, match=r"^EA must be an array of numbers$"):
             cgff_cli.solve_many(shipped("prism"), EA=wrong)
 
 

@@ -144,7 +144,7 @@ class Topology:
         return K.reshape(len(w), len(self.dofs), -1)
 
     def _work(self, N: int) -> tuple[np.ndarray, ...]:
-        """Return arrays for the sums and the entries of N matrices: fresh memory costs more than filling it."""
+        """Return arrays for sums and entries of N matrices: fresh memory costs more than filling it."""
         if len(self.work[0]) < N:
             self.work = np.empty((N, self.d * self.d, self.pairs.shape[1])), np.empty((N, len(self.places)))
         return tuple(array[:N] for array in self.work)

@@ -23,7 +23,7 @@ def measured(topology: Topology, s: Rows, reference: np.ndarray) -> tuple[np.nda
 
 
 def signs(topology: Topology, s: Rows, floor: np.ndarray, refinements: int) -> np.ndarray:
-    """Return (N,) what is known of balanced states, by the doubts of `mechanics.signs` and `analysis.stability`.
+    """Return (N,) what is known of balanced states; floor: (N,) rounding errors of their residuals.
 
     Stable is what keeps a Cholesky factor less all doubt. The rest takes Newton steps, as many as allowed,
     until it is balanced to rounding. BALANCED: rigid motions may be idle or not, or forces left over matter.
