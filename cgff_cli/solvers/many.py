@@ -31,8 +31,12 @@ from cgff_cli.solvers.saddles import COINCIDENT
 from cgff_cli.solvers.stopping import FAR, FAR_ABOVE, VANISHED, WAIT
 from cgff_cli.structure import Structure
 
-OF_THE_LOOP = ("R", "mu", "z", "gz", "d", "slope", "alpha", "final", "tries", "shrinks", "low", "high")
-"""Columns that what is known of a state does without."""
+MOTIONS = ("X", "all", "loose")
+MATRIX = (*MOTIONS, "V", "l", "q", "g", "l0", "kl0", "S", "mu")
+STATE = (*MATRIX, "e", "t", "norm", "k", "load", "at_start", "stiffest", "is_covered")
+ANSWER = (*STATE, "F", "held", "number", "iteration", "centre", "length", "stiffness")
+LINE = ("X", "all", "l", "e", "t", "norm", "alpha", "slope", "tries", "shrinks", "low", "high")
+"""Columns that tell loose motions, a matrix, the signs of a state, an answer, and the next trial of a line."""
 
 AT_ONCE = 512
 """Rows in work at a time: more gain nothing, 128 take a third longer for prisms (tests/studies/many.py)."""
@@ -137,7 +141,7 @@ class Many:
         moves = rows.final | is_met(rows, rise, slope, 0.0)
         short = np.flatnonzero(rows.active & ~moves)
         if len(short):
-            s = rows.take(short, "R")
+            s = rows.take(short, *LINE)
             blur = s.t * self.topology.rounding(s)
             noise = 4.0 * np.sqrt(dot(blur, blur))
             moves[short] = is_met(s, rise[short], slope[short], noise)
@@ -168,11 +172,11 @@ class Many:
         balanced = moved & (residual <= self.options.tolerance * reference)
         no_force = moved & ~balanced & (reference <= VANISHED * FAR_ABOVE * EPS * rows.at_start)
         if no_force.any():
-            other, _ = measured(self.topology, rows.take(no_force, *OF_THE_LOOP), reference[no_force])
+            other, _ = measured(self.topology, rows.take(no_force, *STATE), reference[no_force])
             balanced[no_force] = residual[no_force] <= self.options.tolerance * other
         limit = rows.iteration >= self.options.max_iterations
         if (balanced & rows.active).any():
-            self.balanced.append(rows.take(balanced & rows.active, *OF_THE_LOOP))
+            self.balanced.append(rows.take(balanced & rows.active, *ANSWER))
         rows.active &= ~balanced & (rows.norm < FAR) & (rows.waited < WAIT) & ~limit
         self._direct(rows, moved & rows.active)
 
@@ -205,19 +209,19 @@ class Many:
         """
         renew = goes & (rows.loose > 0.0) & (first | (rows.alpha < LONG_STEP))
         if renew.any():
-            rows.R[renew] = self.topology.loose_motions(rows.take(renew, *OF_THE_LOOP))
+            rows.R[renew] = self.topology.loose_motions(rows.take(renew, *MOTIONS))
         z, refused = self._solved(rows, goes, first)
         uphill = goes & ~refused & ~(dot(rows.g, z) > 0.0)
         if uphill.any():
             rows.mu[uphill] *= CAUTION
             rows.trusted[uphill] = False
-            again = rows.take(uphill)
+            again = rows.take(uphill, *MATRIX, "R", "trusted")
             z[uphill], refused[uphill] = self._solved(again, ~again.trusted, again.trusted)
         for _ in range(MOST_FAILURES):
             left = np.flatnonzero(refused)
             if not len(left):
                 break
-            again, every = rows.take(left, "R"), np.ones(len(left), dtype=bool)
+            again, every = rows.take(left, *MATRIX), np.ones(len(left), dtype=bool)
             again.R = rows.R[left] = self.topology.loose_motions(again)
             again.trusted = ~every
             z[left], refused[left] = self._solved(again, every, every)

@@ -21,19 +21,19 @@ from cgff_cli.structure import Structure
 class Rows(SimpleNamespace):
     """Columns by name, each with the row first."""
 
-    def take(self, which: np.ndarray, *but: str) -> "Rows":
-        """Return some rows, copied, without some columns."""
-        return Rows(**{name: column[which] for name, column in vars(self).items() if name not in but})
+    def take(self, which: np.ndarray, *names: str) -> "Rows":
+        """Return some rows, copied; of all columns, or of those named."""
+        return Rows(**{name: vars(self)[name][which] for name in names or vars(self)})
 
     def fill(self, places: np.ndarray, other: "Rows") -> None:
-        """Replace rows by others with the same columns."""
+        """Replace rows in the columns that `other` has."""
         for name, column in vars(other).items():
             getattr(self, name)[places] = column
 
     def put(self, which: np.ndarray, other: "Rows") -> None:
         """Take over some rows of the columns that `other` has; which: (N,) bool."""
-        for name, column in vars(other).items():
-            getattr(self, name)[which] = column[which]
+        places = np.flatnonzero(which)
+        self.fill(places, other.take(places))
 
 
 def joined(parts: list[Rows]) -> Rows:
