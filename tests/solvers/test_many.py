@@ -106,10 +106,11 @@ def test_rows_whose_cables_slacken_are_told_neutral_or_stable_as_alone():
     assert not found.alone.any()
 
 
-def test_wild_starts_lead_to_the_same_equilibria_as_alone():
-    X = shipped("octahedron").coordinates
-    starts = X + 0.5 * np.ptp(X) * np.random.default_rng(5).uniform(-1.0, 1.0, (20, *X.shape))
-    same_as_alone(shipped("octahedron"), {"coordinates": starts})
+@pytest.mark.parametrize("name", ["octahedron", "prism"])
+def test_wild_starts_lead_to_the_same_equilibria_as_alone(name):
+    X = shipped(name).coordinates
+    starts = X + 0.5 * np.ptp(X) * np.random.default_rng(5).uniform(-1.0, 1.0, (60, *X.shape))
+    same_as_alone(shipped(name), {"coordinates": starts})
 
 
 def test_without_arrays_there_is_one_row_the_scene_itself():
@@ -163,11 +164,28 @@ def test_a_pendulum_upright_falls_as_it_does_alone():
     )
 
 
-def test_a_start_in_one_point_is_finished_alone():
+def test_a_strut_of_no_length_at_the_start_is_finished_alone():
     of = crossed_struts((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
-    found = cgff_cli.solve_many(of, coordinates=np.stack((np.zeros((4, 2)), of.coordinates)))
+    fallen = [(0.0, 0.0), (1.0, 0.0), (0.0, 0.0), (0.0, 1.0)]
+    found = cgff_cli.solve_many(of, coordinates=[fallen, of.coordinates])
     assert found.alone.tolist() == [True, False]
     assert found.converged.all()
+    assert found.coordinates[0] == pytest.approx(
+        cgff_cli.solve(replace(of, coordinates=np.array(fallen))).coordinates
+    )
+
+
+def test_a_strut_pushed_between_rails_tilts_as_it_does_alone():
+    level = scene([(0.0, 0.0), (1.0, 0.0)], [(0, 1, "strut", 10.0, 1.2)], {0: "x", 1: "x"})
+    found = same_as_alone(level, {"EA": np.array([[10.0], [20.0]])})
+    assert found.forces == pytest.approx(0.0, abs=1e-8)
+
+
+def test_a_cable_at_its_rest_length_resists_nothing():
+    bars = [(0, 1, "strut", 10.0, 1.0), (2, 1, "cable", 10.0, 1.0), (3, 1, "cable", 10.0, 1.0)]
+    of = scene([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (1.0, -1.0)], bars, {0: "xy", 2: "xy", 3: "xy"})
+    found = same_as_alone(of, {"rest_lengths": np.array([[1.0, 1.0, 1.0], [1.0, 0.9, 0.9]])})
+    assert found.stability.tolist() == ["neutral", "stable"]
 
 
 def test_loads_that_nothing_balances_are_refused_as_in_a_scene():
