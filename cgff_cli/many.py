@@ -15,7 +15,8 @@ from cgff_cli.scene.fields import sizes_fit
 from cgff_cli.scene.physics import ROUNDING, all_pairs, component_labels
 from cgff_cli.scene.scene import AXES, Scene
 from cgff_cli.solvers.batch.signs import BALANCED, NEUTRAL, OPEN, STABLE
-from cgff_cli.solvers.many import Many, Values
+from cgff_cli.solvers.batch.values import Values
+from cgff_cli.solvers.many import Many
 from cgff_cli.solvers.solution import Solution
 from cgff_cli.solvers.stopping import Verdict
 from cgff_cli.structure import Structure, from_scene, stiffness

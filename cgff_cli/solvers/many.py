@@ -6,9 +6,6 @@ there and takes a new direction, elsewhere it gets the next trial of its line: t
 Rows that need more than this, or are no equilibrium that arithmetic is sure of, are left to `form_find`.
 """
 
-from dataclasses import replace
-from typing import NamedTuple
-
 import numpy as np
 
 from cgff_cli.mechanics import elements
@@ -18,6 +15,7 @@ from cgff_cli.options import SolveOptions
 from cgff_cli.solvers.batch.lines import is_met, search
 from cgff_cli.solvers.batch.rows import Rows, Topology, dot, joined, shifted, solved
 from cgff_cli.solvers.batch.signs import BALANCED, NEUTRAL, OPEN, measured, signs
+from cgff_cli.solvers.batch.values import Values
 from cgff_cli.solvers.descent import DOWNHILL, LOST_CONJUGACY, MOST_FAILURES
 from cgff_cli.solvers.preconditioners.base import (
     CAUTION,
@@ -28,7 +26,7 @@ from cgff_cli.solvers.preconditioners.base import (
     SHORT_STEP,
 )
 from cgff_cli.solvers.saddles import COINCIDENT
-from cgff_cli.solvers.stopping import FAR, FAR_ABOVE, VANISHED, WAIT
+from cgff_cli.solvers.stopping import FAR, FAR_ABOVE, PATIENCE, VANISHED, WAIT
 from cgff_cli.structure import Structure
 
 MOTIONS = ("X", "all", "loose")
@@ -43,23 +41,6 @@ AT_ONCE = 512
 
 ENTRIES = 2**21
 """Entries of all matrices in work at a time: 16 MB each for those of a step and of loose motions."""
-
-
-class Values(NamedTuple):
-    """Numbers of m rows: coordinates and loads (m, n, d), stiffness and rest_lengths (m, b)."""
-
-    coordinates: np.ndarray
-    stiffness: np.ndarray
-    rest_lengths: np.ndarray
-    loads: np.ndarray
-
-    def take(self, rows: np.ndarray) -> "Values":
-        """Return the numbers of some rows."""
-        return Values(*(column[rows] for column in self))
-
-    def structure(self, one: Structure, row: int) -> Structure:
-        """Return a structure with the numbers of a row."""
-        return replace(one, **{name: column[row] for name, column in self._asdict().items()})
 
 
 class Many:
@@ -170,14 +151,16 @@ class Many:
         rows.waited = np.where(halved, 0, rows.waited + moved)
         residual, reference = np.abs(rows.g).max(1), np.maximum(np.abs(rows.t).max(1), rows.load)
         balanced = moved & (residual <= self.options.tolerance * reference)
-        no_force = moved & ~balanced & (reference <= VANISHED * FAR_ABOVE * EPS * rows.at_start)
-        if no_force.any():
-            other, _ = measured(self.topology, rows.take(no_force, *STATE), reference[no_force])
-            balanced[no_force] = residual[no_force] <= self.options.tolerance * other
-        limit = rows.iteration >= self.options.max_iterations
+        no_force = reference <= VANISHED * FAR_ABOVE * EPS * rows.at_start
+        hopeless = (rows.waited >= WAIT) | (rows.iteration >= self.options.max_iterations)
+        near = np.flatnonzero(moved & ~balanced & (no_force | (rows.waited >= PATIENCE)))
+        if len(near):
+            other, floor = measured(self.topology, rows.take(near, *STATE), reference[near])
+            balanced[near] = residual[near] <= self.options.tolerance * other
+            hopeless[near] |= (rows.waited[near] >= PATIENCE) & (residual[near] <= floor)
         if (balanced & rows.active).any():
             self.balanced.append(rows.take(balanced & rows.active, *ANSWER))
-        rows.active &= ~balanced & (rows.norm < FAR) & (rows.waited < WAIT) & ~limit
+        rows.active &= ~balanced & ~hopeless & (rows.norm < FAR)
         self._direct(rows, moved & rows.active)
 
     def _direct(self, rows: Rows, goes: np.ndarray) -> None:

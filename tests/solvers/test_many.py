@@ -130,7 +130,8 @@ def test_a_row_has_the_same_bytes_whatever_stands_beside_it(name, monkeypatch):
     found = cgff_cli.solve_many(SCENES[name], **values)
     monkeypatch.setattr(many, "AT_ONCE", 7)
     for rows in (order, order[:11], order[:1], order[5:8]):
-        again = cgff_cli.solve_many(SCENES[name], **{key: value[rows] for key, value in values.items()})
+        some = {key: value[rows] for key, value in values.items()}
+        again = cgff_cli.solve_many(SCENES[name], **some)
         for field in FIELDS:
             assert getattr(again, field).tobytes() == getattr(found, field)[rows].tobytes(), field
         assert again.stability.tolist() == found.stability[rows].tolist()

@@ -8,9 +8,9 @@ of CPU time a row, medians of rounds in which all take their turn, rivals on the
 them how many times longer others take: `solve_many` that tells no stability, a loop of
 `solve(analysis="never")`, and fsolve without and with its exact Jacobian, on a residual as one would write
 it and on the program's own State. Every row of `solve_many` is checked: forces from its coordinates alone,
-summed over nodes, against the tolerance and what rounding explains. `off`: rows that fail, or are no equilibrium;
-`alone`: those that the scalar solver had to solve; `fails`: percent of the rivals' answers that balance no
-better than 1e-8.
+summed over nodes, against the tolerance and what rounding explains. `off`: rows that fail, or are no
+equilibrium; `alone`: those that the scalar solver had to solve; `fails`: percent of the rivals' answers that
+balance no better than 1e-8.
 """
 
 import argparse
