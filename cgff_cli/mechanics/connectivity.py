@@ -38,16 +38,16 @@ class DenseConnectivity:
 
     @cached_property
     def pairs(self) -> np.ndarray:
-        """(b, m, m) rho^T rho of every element by itself."""
-        return self.rho[:, :, None] * self.rho[:, None, :]
+        """(b, m m) rho^T rho of every element by itself."""
+        return (self.rho[:, :, None] * self.rho[:, None, :]).reshape(len(self.rho), -1)
 
     def differences(self, X: np.ndarray) -> np.ndarray:
         """Return rho X: (d, ..., b) begin minus end of (d, ..., m) positions of the nodes that move."""
-        return X @ self.rho_t
+        return X.dot(self.rho_t)
 
     def gather(self, V: np.ndarray) -> np.ndarray:
         """Return rho^T V: (d, ..., m) sums over each node's elements of (d, ..., b) element vectors."""
-        return V @ self.rho
+        return V.dot(self.rho)
 
 
 class SparseConnectivity:

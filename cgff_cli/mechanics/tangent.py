@@ -25,10 +25,9 @@ class Parts(NamedTuple):
     q: np.ndarray
 
 
-def times(
-    connectivity: Connectivity, V: np.ndarray, w: np.ndarray, q: np.ndarray, Y: np.ndarray
-) -> np.ndarray:
-    """Return K Y, (d, m), without forming K, eq. (12). V: (d, b), w and q: (b,), Y: (d, m)."""
+def times(connectivity: Connectivity, parts: Parts, Y: np.ndarray) -> np.ndarray:
+    """Return K Y, (d, m), without forming K, eq. (12). Y: (d, m)."""
+    _, V, w, q = parts
     Z = connectivity.differences(Y)
     axial = w * np.einsum("ab,ab->b", V, Z)
     return connectivity.gather(axial * V + q * Z)
@@ -41,21 +40,23 @@ def blocks(V: np.ndarray, w: np.ndarray, q: np.ndarray) -> np.ndarray:
     return B
 
 
-def hold(K: np.ndarray, mask: np.ndarray) -> None:
-    """Leave K, (d n, d n), nothing but 1 on the diagonal in held directions, where mask (d, n) is 0."""
-    free = mask.reshape(-1)
-    K *= free[:, None] * free
-    diagonal = K.reshape(-1)[:: len(K) + 1]
-    diagonal += 1.0 - free
+def dense(connectivity: Connectivity, parts: Parts, mask: np.ndarray | None) -> np.ndarray:
+    """Return K, (d m, d m), axis by axis, eq. (11); w >= 0 in a large structure.
 
-
-def dense(connectivity: Connectivity, V: np.ndarray, w: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Return K, (d n, d n), axis by axis, eq. (11). V: (d, b), w and q: (b,), w >= 0 in a large structure."""
+    mask: (d, m) 1 in free directions, 0 in held ones, which keep only 1 on the diagonal; None for all free.
+    """
+    _, V, w, q = parts
     if connectivity.is_small:
-        pairs, (d, b), n = connectivity.pairs, V.shape, len(connectivity.rho_t)
-        K = blocks(V, w, q).reshape(d * d, b) @ pairs.reshape(b, n * n)
-        return K.reshape(d, d, n, n).swapaxes(1, 2).reshape(d * n, d * n)
-    return _by_two_products(connectivity.dense(), V, w, q)
+        (d, b), n = V.shape, len(connectivity.rho_t)
+        K = blocks(V, w, q).reshape(d * d, b).dot(connectivity.pairs)
+        K = K.reshape(d, d, n, n).swapaxes(1, 2).reshape(d * n, d * n)
+    else:
+        K = _by_two_products(connectivity.dense(), V, w, q)
+    if mask is not None:
+        free = mask.reshape(-1)
+        K *= free[:, None] * free
+        K.reshape(-1)[:: len(K) + 1] += 1.0 - free
+    return K
 
 
 def _by_two_products(rho_t: np.ndarray, V: np.ndarray, w: np.ndarray, q: np.ndarray) -> np.ndarray:

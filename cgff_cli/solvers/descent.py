@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from cgff_cli.mechanics.elements import EPS
-from cgff_cli.mechanics.norms import norm
+from cgff_cli.mechanics.norms import largest, norm
 from cgff_cli.mechanics.state import State
 from cgff_cli.solvers.directions import RULES, Point
 from cgff_cli.solvers.line_search import ENOUGH_DECREASE, FLAT, FLAT_ENOUGH_FOR_NEWTON, Goal, strong_wolfe
@@ -40,28 +40,24 @@ def iterates(run: Run, onward: Onward) -> Iterator[Iterate]:
     onward: moves a run that is stuck, or ended, to where it goes on from; False where there is no such place.
     """
     run.state = run.preconditioner.better_start(run.state)
-    iterate, path = run.iterate(), descent(run)
+    path = descent(run)
     while True:
-        yield iterate
+        yield run.iterate()
         run.verdict = run.watch.judge(run.state, run.iterations) or _stationary(run) or _worn_out(run)
-        is_elsewhere = (run.verdict is not None or run.watch.is_stuck) and onward(run)
-        if run.verdict is None and not is_elsewhere:
-            following = next(path, None)
-            if following is not None:
-                iterate = following
-                continue
-            run.verdict = run.watch.vanished(run.state)
-        if not is_elsewhere:
+        if (run.verdict or run.watch.is_stuck) and onward(run):
+            run.verdict, path = None, descent(run)
+        elif run.verdict is None and next(path, None) is None:
+            run.verdict = run.watch.vanished()
+        if run.verdict:
             return
-        run.verdict, iterate, path = None, run.iterate(), descent(run)
 
 
-def descent(run: Run) -> Iterator[Iterate]:
-    """Yield the iterates that steps of eq. (13) lead to from the present one; ends where no step is left."""
+def descent(run: Run) -> Iterator[Move]:
+    """Take steps of eq. (13), and yield each; ends where no step is left."""
     rule, M, gradient = RULES[run.options.cg_beta], run.preconditioner, run.objective.gradient
     old: tuple[Point, np.ndarray] | None = None
     failures = 0
-    while failures < (1 if run.watch.at_floor else MOST_FAILURES):
+    while failures == 0 or (failures < MOST_FAILURES and not run.watch.at_floor):
         M.refresh(run.state)
         g = gradient(run.state)
         z = M.apply(g)
@@ -87,7 +83,7 @@ def descent(run: Run) -> Iterator[Iterate]:
         M.adapt(alpha, run.objective.size(there) / (run.objective.size(run.state) or 1.0))
         run.go(there, Move(length, alpha, cg_beta, restarted))
         old, failures = (new, d), 0
-        yield run.iterate()
+        yield run.move
 
 
 def _step(run: Run, d: np.ndarray, slope: float) -> tuple[float, float, State] | None:
@@ -112,7 +108,7 @@ def _step(run: Run, d: np.ndarray, slope: float) -> tuple[float, float, State] |
         alpha = found.step
         there = found.there or run.at(state.X + alpha * d)
     length = alpha * norm(d)
-    return (alpha, length, there) if length > EPS * norm(state.X) else None
+    return (alpha, length, there) if length > EPS * state.reach else None
 
 
 def _worn_out(run: Run) -> Verdict | None:
@@ -126,7 +122,7 @@ def _stationary(run: Run) -> Verdict | None:
     if run.minimises_energy:
         return None
     state = run.state
-    force = float(np.abs(state.g).max(initial=0.0)) * run.watch.gauge.largest_stiffness
-    if float(np.abs(run.objective.gradient(state)).max(initial=0.0)) > STATIONARY * force:
+    force = largest(state.g) * run.watch.gauge.largest_stiffness
+    if largest(run.objective.gradient(state)) > STATIONARY * force:
         return None
     return Verdict.ROUNDING_FLOOR if run.watch.at_floor else Verdict.STATIONARY

@@ -23,8 +23,10 @@ def separated(mechanics: Mechanics, seed: int) -> tuple[State, str | None]:
     drawn from `seed`.
     """
     structure, start = mechanics.structure, mechanics.at(mechanics.start)
-    short = start.l < COINCIDENT
-    if not short.any() or not (short := short & ~structure.tension_only & (mechanics.l0 > 0.0)).any():
+    if float(start.l.min()) >= COINCIDENT:
+        return start, None
+    short = (start.l < COINCIDENT) & ~structure.tension_only & (mechanics.l0 > 0.0)
+    if not short.any():
         return start, None
     nodes = np.unique(np.concatenate((structure.start[short], structure.end[short])))
     moved = np.zeros_like(structure.coordinates)

@@ -64,7 +64,7 @@ class TableOne:
         alpha, b, k, failed = self.options.alpha, self.options.step_factor, 0, 0
         f, g = self.objective.value(self.state), self.objective.gradient(self.state)
         d = -g
-        yield Iterate(k, self.state, f, g, START, self.evaluations)
+        yield Iterate(k, self.state, START, self.evaluations)
         while True:
             step = alpha * norm(d)
             if not step < float("inf"):
@@ -87,7 +87,7 @@ class TableOne:
             _, cg_beta, _ = fletcher_reeves(Point(g, g, float(np.vdot(g, g))), old, d, np.asarray)
             d = cg_beta * d - g
             k += 1
-            yield Iterate(k, there, f, g, Move(step, alpha, cg_beta, False), self.evaluations)
+            yield Iterate(k, there, Move(step, alpha, cg_beta, False), self.evaluations)
             alpha /= b
 
     def judged(self) -> Verdict:

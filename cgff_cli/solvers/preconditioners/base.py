@@ -84,15 +84,11 @@ class Tangent(Preconditioner, ABC):
         do not count, and solutions hold none of those at X.
         """
 
-    def at(self, state: State, q: np.ndarray | None, *, trusted: bool = False) -> Solve | None:
-        """Return M^-1 at a state; q: (b,) nonnegative force densities in place of its own."""
-        return self.system(state.parts(q), self.mu, trusted=trusted)
-
-    def refresh(self, state: State) -> None:
-        """Form M at a state."""
-        self.solve = self.at(state, None, trusted=self.progress < GOOD_PROGRESS)
+    def refresh(self, state: State, q: np.ndarray | None = None) -> None:
+        """Form M at a state; q: (b,) nonnegative force densities to begin with in place of its own."""
+        self.solve = self.system(state.parts(q), self.mu, trusted=self.progress < GOOD_PROGRESS)
         while self.solve is None:
-            self.solve = self.at(state, np.maximum(state.q, 0.0))
+            self.solve = self.system(state.parts(np.maximum(state.q, 0.0)), self.mu)
             self.mu *= 1.0 if self.solve else 10.0
 
     def apply(self, g: np.ndarray) -> np.ndarray:

@@ -32,10 +32,10 @@ class SparseTangent(Tangent):
         self.is_afloat = mechanics.all_free and mechanics.F is None
         self.is_thick = False
 
-    def refresh(self, state: State) -> None:
+    def refresh(self, state: State, q: np.ndarray | None = None) -> None:
         """Form M anew unless the last one, dear to factor, still serves."""
         if self.solve is None or not (self.is_thick and self.progress < GOOD_PROGRESS):
-            super().refresh(state)
+            super().refresh(state, q)
 
     def adapt(self, alpha: float, shrinkage: float) -> None:
         """Adapt mu; progress counts at any step length."""
