@@ -7,7 +7,8 @@ import numpy as np
 
 def norm(values: np.ndarray) -> float:
     """Return the Euclidean (for a matrix, Frobenius) norm of an array."""
-    return sqrt(np.vdot(values, values))
+    flat = values.reshape(-1)
+    return sqrt(flat.dot(flat))
 
 
 def largest(values: np.ndarray) -> float:
