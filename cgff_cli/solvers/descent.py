@@ -6,6 +6,7 @@ X_{k+1} = X_k + alpha_k d_k          alpha_k: strong Wolfe
 """
 
 from collections.abc import Callable, Iterator
+from functools import partial
 
 import numpy as np
 
@@ -13,23 +14,21 @@ from cgff_cli.mechanics.elements import EPS
 from cgff_cli.mechanics.norms import largest, norm
 from cgff_cli.mechanics.state import State
 from cgff_cli.solvers.directions import RULES, Point
-from cgff_cli.solvers.line_search import ENOUGH_DECREASE, FLAT, FLAT_ENOUGH_FOR_NEWTON, Goal, strong_wolfe
+from cgff_cli.solvers.line_search import (
+    ENOUGH_DECREASE,
+    FLAT,
+    FLAT_ENOUGH_FOR_NEWTON,
+    TENFOLD,
+    Goal,
+    strong_wolfe,
+)
 from cgff_cli.solvers.objectives import Trial
 from cgff_cli.solvers.run import Iterate, Move, Run
-from cgff_cli.solvers.stopping import Verdict
+from cgff_cli.solvers.stopping import NEGLIGIBLE, WAIT, Verdict
 
-LOST_CONJUGACY = 0.1
-"""Restart when <g_k, z_{k-1}> exceeds this share of <g_k, z_k> (Powell 1977, where it is 0.2)."""
-
-DOWNHILL = 0.01
-"""Restart when the slope along d is flatter than this share of the slope along -z."""
-
-MOST_FAILURES = 6
-"""Restarts with a hundredfold shift, in a row, before a vanished step is believed."""
-
-
-STATIONARY = 1e-12
-"""Gradient of eq. (10) this small against stiffness times residual is zero."""
+LOST = 1.0 / TENFOLD
+"""Restart when <g_k, z_{k-1}> exceeds this share of <g_k, z_k> (Powell 1977, where it is 0.2), or when the
+slope along d is flatter than this share of the slope along -z."""
 
 Onward = Callable[[Run], bool]
 
@@ -57,21 +56,21 @@ def descent(run: Run) -> Iterator[Move]:
     rule, M, gradient = RULES[run.options.cg_beta], run.preconditioner, run.objective.gradient
     old: tuple[Point, np.ndarray] | None = None
     failures = 0
-    while failures == 0 or (failures < MOST_FAILURES and not run.watch.at_floor):
+    while failures == 0 or (failures < WAIT and not run.watch.at_floor):
         M.refresh(run.state)
         g = gradient(run.state)
         z = M.apply(g)
         new = Point(g, z, float(np.vdot(g, z)))
         d, slope, cg_beta, restarted = -z, -new.gz, 0.0, False
         if old is not None:
-            restarted = abs(float(np.vdot(g, old[0].z))) > LOST_CONJUGACY * new.gz
+            restarted = abs(float(np.vdot(g, old[0].z))) > LOST * new.gz
             if not restarted:
                 a, cg_beta, c = rule(new, *old, M.apply)
                 d = a * z + cg_beta * old[1]
                 if c != 0.0:
                     d += c * M.apply(g - old[0].g)
                 slope = float(np.vdot(g, d))
-                restarted = slope > -DOWNHILL * new.gz
+                restarted = slope > -LOST * new.gz
             if restarted:
                 d, slope, cg_beta = -z, -new.gz, 0.0
         found = _step(run, d, slope) if slope < 0.0 else None
@@ -101,7 +100,8 @@ def _step(run: Run, d: np.ndarray, slope: float) -> tuple[float, float, State] |
     change, slope_there = objective.change(state, there), float(np.vdot(objective.gradient(there), d))
     if not (change <= ENOUGH_DECREASE * alpha * slope and abs(slope_there) <= -flat * slope):
         full = Trial(alpha, change, slope_there, there)
-        found, count = strong_wolfe(objective.line(state, d), Goal(slope, objective.noise(state), flat), full)
+        goal = Goal(slope, partial(objective.noise, state), flat)
+        found, count = strong_wolfe(objective.line(state, d), goal, full)
         run.evaluations += count
         if found.step == 0.0 and objective.size(there) < objective.size(state):
             found = full
@@ -123,6 +123,6 @@ def _stationary(run: Run) -> Verdict | None:
         return None
     state = run.state
     force = largest(state.g) * run.watch.gauge.largest_stiffness
-    if largest(run.objective.gradient(state)) > STATIONARY * force:
+    if largest(run.objective.gradient(state)) > NEGLIGIBLE * force:
         return None
     return Verdict.ROUNDING_FLOOR if run.watch.at_floor else Verdict.STATIONARY

@@ -17,14 +17,16 @@ from cgff_cli.mechanics.state import Mechanics, State
 VANISHED = 16.0
 """Forces below this many rounding floors are taken for zero."""
 
-NEAR = 1e4
-"""A norm this many times a bound on the floor may be at it: many elements meet, many nodes add up."""
+NEGLIGIBLE = 1e-13
+"""Share of a sum of products that is rounding: a gradient of eq. (10) that small against stiffness times
+residual is zero, a shift of the tangent that small does nothing."""
 
 WAIT = 8
-"""Iterations without halving the residual after which a run is stuck (12 did as well)."""
+"""Iterations without halving the residual, or failed steps in a row, after which a run is stuck (6 to 12 did
+as well)."""
 
 PATIENCE = 3
-"""Iterations at the floor without halving the residual before it counts as reached."""
+"""Iterations at the floor without halving the residual before it counts as reached; detours of a run."""
 
 
 class Verdict(StrEnum):
@@ -92,7 +94,7 @@ class Gauge:
         norm of all forces.
         """
         balanced = tolerance * (norm(state.t) + self.mechanics.largest_load)
-        return state.norm <= self.root * max(balanced, NEAR * self.bound(state))
+        return state.norm <= self.root * max(balanced, VANISHED * VANISHED * self.bound(state))
 
     def is_balanced(self, state: State, tolerance: float) -> bool:
         """Return whether the residual is within the tolerance; the floor is measured where it matters."""
