@@ -122,10 +122,9 @@ def test_another_figure_would_be_seen(folder: Path):
 def test_the_readme_takes_five_minutes_and_its_first_screen_shows_a_command_and_its_output():
     lines = README.text.splitlines()
     assert len(lines) <= MOST_LINES
-    rows_, columns = SCREEN
-    screen = lines[:rows_]
-    assert max(map(len, screen)) <= columns
-    assert CONSOLE[0].text in "\n".join([*screen, ""])
+    height, width = SCREEN
+    assert max(map(len, lines[:height])) <= width
+    assert CONSOLE[0].text in "\n".join([*lines[:height], ""])
 
 
 def test_one_command_sets_up_and_solves_and_one_sets_up_and_tests():
