@@ -1,6 +1,6 @@
 """One scene with many sets of numbers: together where a batch is sure of its answers, else in turn."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,9 +14,8 @@ from cgff_cli.pipeline import METHODS
 from cgff_cli.scene.fields import sizes_fit
 from cgff_cli.scene.physics import ROUNDING, all_pairs, component_labels
 from cgff_cli.scene.scene import AXES, Scene
-from cgff_cli.solvers.batch.signs import BALANCED, NEUTRAL, OPEN, STABLE
-from cgff_cli.solvers.batch.values import Values
-from cgff_cli.solvers.many import Many
+from cgff_cli.solvers.many.loop import Many
+from cgff_cli.solvers.many.signs import BALANCED, NEUTRAL, OPEN, STABLE
 from cgff_cli.solvers.solution import Solution
 from cgff_cli.solvers.stopping import Verdict
 from cgff_cli.structure import Structure, from_scene, stiffness
@@ -85,7 +84,8 @@ def solve_many(
     if options.analysis == "never":
         answers.stability[:] = None
     for row in np.flatnonzero((known == OPEN) | (known == BALANCED)).tolist():
-        _finish(answers, row, values.structure(structure, row), found.nearly.get(row), options)
+        one = replace(structure, **{name: column[row] for name, column in values.items()})
+        _finish(answers, row, one, found.nearly.get(row), options)
     return answers
 
 
@@ -119,13 +119,14 @@ def _finish(
 
 def _at(structure: Structure, X: np.ndarray, options: SolveOptions) -> Solution | None:
     """Return the solution that balances at X (d, m) in its frame; None if K falls there, or tells nothing."""
-    state = Mechanics(structure).at(X)
+    mechanics = Mechanics(structure)
+    state = mechanics.at(X if mechanics.moves is None else X[:, mechanics.moves])
     solution = Solution(state, Verdict.CONVERGED, options.tolerance, 0)
     told = {"stability": ""} if options.analysis == "never" else stability_of(solution, options)
     return solution if steepest_fall(state) is None and told["stability"] is not None else None
 
 
-def _values(scene: Scene, structure: Structure, given: dict[str, object]) -> Values:
+def _values(scene: Scene, structure: Structure, given: dict[str, object]) -> dict[str, np.ndarray]:
     """Return the numbers of all rows, the scene's own where none are given."""
     s = structure
     own = {
@@ -148,8 +149,8 @@ def _values(scene: Scene, structure: Structure, given: dict[str, object]) -> Val
     full = {name: np.broadcast_to(arrays.get(name, value), (m, *value.shape)) for name, value in own.items()}
     if "loads" in arrays:
         _check_net_loads(scene, full["loads"])
-    k = stiffness(scene.law, full["EA"], full["rest_lengths"])
-    return Values(full["coordinates"], k, full["rest_lengths"], full["loads"])
+    k = stiffness(scene.law, full.pop("EA"), full["rest_lengths"])
+    return {**full, "stiffness": k}
 
 
 def _checked(name: str, value: object, shape: tuple[int, ...], lower: str) -> np.ndarray:

@@ -1,5 +1,6 @@
 """Rigid motions: what moves a structure without deforming it. Directions run axis by axis."""
 
+from functools import cache
 from math import sqrt
 
 import numpy as np
@@ -41,38 +42,28 @@ def all_motions(X: np.ndarray) -> np.ndarray:
 
     Columns are about as long as each other; they are not orthonormal.
     """
-    d, n = X.shape
+    (d, n), centred = X.shape, _centred(X)
     shifts = np.repeat(np.eye(d) * (1.0 / sqrt(n)), n, axis=0)
-    return np.concatenate((shifts, _rotations(_centred(X), _size(X))), axis=1)
+    return np.concatenate((shifts, _rotations(centred, norm(centred) or 1.0)), axis=1)
 
 
-def rigid_stiffness(X: np.ndarray) -> np.ndarray:
-    """Return R R^T, (d n, d n), of the columns R of `all_motions`, without forming them.
-
-    Rotations add up to c (I (x) X^T X) less c X_c^T X_a in block (a, c), X about its centroid, c = 1 / |X|^2.
-    """
-    d, n = X.shape
-    X = X - (np.add.reduce(X, 1) * (1.0 / n))[:, None]
-    c = 1.0 / (float(np.vdot(X, X)) or 1.0)
-    P = np.multiply.outer(X, -c * X)
-    P = P.transpose(2, 1, 0, 3).reshape(d, n, d, n)
-    on_each_axis = np.einsum("aiaj->aij", P)  # a view of P
-    on_each_axis += X.T @ (c * X) + 1.0 / n
-    return P.reshape(d * n, d * n)
+@cache
+def turns(d: int) -> np.ndarray:
+    """Return the rates (r d, d) at which unit rotations in each coordinate plane turn the axes."""
+    planes = [(i, j) for i in range(d) for j in range(i + 1, d)]
+    rates = np.zeros((len(planes), d, d))
+    for r, (i, j) in enumerate(planes):
+        rates[r, i, j], rates[r, j, i] = 1.0, -1.0
+    return rates.reshape(-1, d)
 
 
 def _rotations(vectors: np.ndarray, size: float) -> np.ndarray:
     """Return (d n, r) rates of (d, n) vectors under unit rotations, over `size`."""
-    d, n = vectors.shape
-    planes = [(i, j) for i in range(d) for j in range(i + 1, d)]
-    rates = np.zeros((d, n, len(planes)))
-    for r, (i, j) in enumerate(planes):
-        rates[i, :, r], rates[j, :, r] = vectors[j], -vectors[i]
-    return rates.reshape(d * n, -1) * (1.0 / size)
+    return (turns(len(vectors)).dot(vectors) * (1.0 / size)).reshape(-1, vectors.size).T
 
 
 def _centred(X: np.ndarray) -> np.ndarray:
-    return X - X.mean(axis=1)[:, None]
+    return X - (np.add.reduce(X, 1) * (1.0 / X.shape[1]))[:, None]
 
 
 def _size(X: np.ndarray) -> float:

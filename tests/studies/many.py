@@ -1,7 +1,7 @@
 """How many structures a second `solve_many` solves, beside a loop of fsolve and of `solve`.
 
     OPENBLAS_NUM_THREADS=1 python tests/studies/many.py [--rows 10000] [--repeat 5] [--only prism]
-        [--at-once 512]
+        [--entries 512]
 
 Rest lengths of every element scatter by 5 % about the scene's, or starts by 20 % of its size. Microseconds
 of CPU time a row, medians of rounds in which all take their turn, rivals on the round's first rows; beside
@@ -26,7 +26,7 @@ from versions_in_one import ROOT
 
 import cgff_cli
 from cgff_cli.mechanics.state import Mechanics
-from cgff_cli.solvers import many
+from cgff_cli.solvers.many import loop as many
 from cgff_cli.structure import from_scene
 
 SPREAD, SCATTER = 0.05, 0.2
@@ -184,9 +184,9 @@ def main():
     parser.add_argument("--rows", type=int, default=10000)
     parser.add_argument("--repeat", type=int, default=5)
     parser.add_argument("--only", default="")
-    parser.add_argument("--at-once", type=int, default=many.AT_ONCE)
+    parser.add_argument("--entries", type=int, default=many.ENTRIES)
     arguments = parser.parse_args()
-    many.AT_ONCE = arguments.at_once
+    many.ENTRIES = arguments.entries
     names = ("never", "solve", "fsolve", "exact", "on State", "exact on State")
     heads = "".join(f"{name:>15}" if " on" in name else f"{name:>9}" for name in names)
     print(f"{'':27}{'rows':>6}{'us':>6}{'a second':>9}{heads}{'alone':>8}{'off':>5}   fails", flush=True)

@@ -1,1 +1,0 @@
-"""Many structures of one topology side by side: their columns, their lines, the signs of their stiffness."""
