@@ -6,6 +6,8 @@ their place. Rows that need more than this, or whose balance is no equilibrium t
 are left to `form_find`.
 """
 
+from math import sqrt
+
 import numpy as np
 
 from cgff_cli.mechanics import elements
@@ -15,7 +17,7 @@ from cgff_cli.solvers.line_search import ENOUGH_DECREASE, FLAT_ENOUGH_FOR_NEWTON
 from cgff_cli.solvers.many.rows import Rows, Topology, dot, flat, joined, shifted, solved
 from cgff_cli.solvers.many.signs import BALANCED, NEUTRAL, OPEN, measured, signs
 from cgff_cli.solvers.preconditioners.base import FIRST_SHIFT, LONG_STEP, QUARTER
-from cgff_cli.solvers.stopping import NEGLIGIBLE, WAIT
+from cgff_cli.solvers.stopping import WAIT
 from cgff_cli.structure import Structure
 
 ENTRIES = 2**20
@@ -84,7 +86,7 @@ class Many:
         search = self._searched(r, slope, descends).take(~met)
         r, s = r.take(met), s.take(met)
         shrinkage = s.norm / np.where(r.norm > 0.0, r.norm, 1.0)
-        lower = np.maximum(r.mu * np.minimum(shrinkage, 1.0 / TENFOLD), NEGLIGIBLE)
+        lower = np.maximum(r.mu * np.minimum(shrinkage, 1.0 / TENFOLD), sqrt(EPS))
         r.mu = np.where(r.alpha > LONG_STEP, lower, np.where(r.alpha < QUARTER, TENFOLD, 1.0) * r.mu)
         r.iteration += 1
         return [search.take(search.alpha > EPS), self._set_out(r, s)]
