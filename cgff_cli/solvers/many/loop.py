@@ -13,11 +13,10 @@ import numpy as np
 from cgff_cli.mechanics import elements
 from cgff_cli.mechanics.elements import EPS
 from cgff_cli.options import SolveOptions
-from cgff_cli.solvers.line_search import ENOUGH_DECREASE, FLAT_ENOUGH_FOR_NEWTON, TENFOLD
+from cgff_cli.solvers.line_search import ENOUGH_DECREASE, FLAT_ENOUGH_FOR_NEWTON, MOST_TRIALS, TENFOLD
 from cgff_cli.solvers.many.rows import Rows, Topology, dot, flat, joined, shifted, solved
 from cgff_cli.solvers.many.signs import BALANCED, NEUTRAL, OPEN, measured, signs
 from cgff_cli.solvers.preconditioners.base import FIRST_SHIFT, LONG_STEP, QUARTER
-from cgff_cli.solvers.stopping import WAIT
 from cgff_cli.structure import Structure
 
 ENTRIES = 2**20
@@ -133,7 +132,7 @@ class Many:
         halved = r.norm <= 0.5 * r.best
         r.best, r.waited = np.where(halved, r.norm, r.best), np.where(halved, 0, r.waited + 1)
         residual, tolerance = np.abs(s.g).max(1), self.options.tolerance
-        goes = r.waited < WAIT
+        goes = r.waited < MOST_TRIALS
         near = np.flatnonzero(residual <= tolerance * np.maximum((r.k * s.l).max(1), r.load))
         reference, floor = measured(self.topology, r.take(near), s.take(near))
         balanced = residual[near] <= tolerance * reference
