@@ -114,7 +114,6 @@ class Many:
         M = shifted(self.topology.stiffness(r, s, s.q, taut), r.mu[:, None] * r.S)
         z, refused = solved(M, s.g)
         if refused.any():
-            r.mu[refused] *= TENFOLD
             a, b = r.take(refused), s.take(refused)
             M = self.topology.stiffness(a, b, np.maximum(b.q, 0.0), taut[refused])
             z[refused], failed = solved(shifted(M, a.mu[:, None] * a.S), b.g)

@@ -22,8 +22,9 @@ class Rows(SimpleNamespace):
     """Columns by name, each with the row first."""
 
     def take(self, which: np.ndarray) -> "Rows":
-        """Return some rows, copied."""
-        return Rows(**{name: column[which] for name, column in vars(self).items()})
+        """Return some rows, copied; which: (N,) bool, or their numbers."""
+        chosen = np.flatnonzero(which) if which.dtype == bool else which
+        return Rows(**{name: column.take(chosen, axis=0) for name, column in vars(self).items()})
 
 
 def joined(parts: list[Rows]) -> Rows:
