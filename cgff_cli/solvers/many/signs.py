@@ -47,8 +47,8 @@ def _stiffness_and_doubts(topology: Topology, r: Rows, s: Rows, floor: np.ndarra
 
     The last, (N,): a softest stiffness above it keeps its sign on the way to the exact equilibrium.
     """
-    taut, rests = topology.taut(r, s), r.l0 > 0.0
-    resists = taut & ~((topology.least == 0.0) & rests & (s.t <= VANISHED * floor[:, None]))
+    taut, rests, slight = topology.taut(r, s), r.l0 > 0.0, VANISHED * np.maximum(floor, s.norm)
+    resists = taut & ~((topology.least == 0.0) & rests & (s.t <= slight[:, None]))
     K = topology.stiffness(r, s, s.q, resists)
     reach = np.abs(s.X).max((1, 2))[:, None]
     own = r.k * (taut & rests) * (1.0 + (reach + np.abs(s.e)) / s.l)
