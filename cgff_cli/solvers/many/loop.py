@@ -71,17 +71,9 @@ class Many:
         step = r.alpha[:, None] * r.d
         s = self.topology.at(r, self.topology.moved(r.X, step))
         rise = 0.5 * dot(r.t + s.t, s.e - r.e) - dot(r.F, step)
-        slope, least = dot(s.g, r.d), ENOUGH_DECREASE * r.alpha * r.slope
-        is_flat = np.abs(slope) <= -FLAT_ENOUGH_FOR_NEWTON * r.slope
-        descends = rise <= least
-        met = descends & is_flat
-        short = np.flatnonzero(~met)
-        if len(short):
-            blur = s.t[short] * self.topology.rounding(s.take(short))
-            noise = 4.0 * np.sqrt(dot(blur, blur))
-            descends[short] |= rise[short] <= least[short] + noise
-            shrinks = (np.abs(rise[short]) <= noise) & (s.norm < r.norm)[short]
-            met[short] = descends[short] & (is_flat[short] | shrinks)
+        slope, blur = dot(s.g, r.d), s.t * self.topology.rounding(s)
+        descends = rise <= ENOUGH_DECREASE * r.alpha * r.slope + 4.0 * np.sqrt(dot(blur, blur))
+        met = descends & (np.abs(slope) <= -FLAT_ENOUGH_FOR_NEWTON * r.slope)
         search = self._searched(r, slope, descends).take(~met)
         r, s = r.take(met), s.take(met)
         shrinkage = s.norm / np.where(r.norm > 0.0, r.norm, 1.0)
