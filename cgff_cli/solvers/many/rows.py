@@ -1,4 +1,4 @@
-"""Structures of one topology side by side: what a State is to one of them.
+"""Structures of one topology side by side: what Mechanics and State are to one of them.
 
 Arrays hold the row first: (N, d, n) at nodes, (N, d, b) and (N, b) at elements, (N, f) in free directions.
 Matrices are multiplied and factored row by row, all else is elementwise or a sum over a row's own entries,
@@ -35,93 +35,78 @@ def joined(parts: list[Rows]) -> Rows:
 class Topology:
     """What all rows share: who is joined to whom, what is free, which elements are cables.
 
-    A pair of nodes has the same elements, and so the same sums of blocks in K, as many others: none. columns:
-    (b, c) the c different sums, places: where each of the (f, f) entries of K stands among the (d d, c).
+    Most pairs of nodes have the same elements between them, none. columns: (b, c) elements of the c kinds of
+    pairs; places: where the f f entries of K stand among sums over these of d d entries of blocks.
     """
 
     def __init__(self, structure: Structure):
-        s = self.structure = structure
-        n, self.d = s.coordinates.shape
-        self.least = elements.least_extensions(s.tension_only)
-        self.free, self.fixed = np.flatnonzero(s.free.T), np.flatnonzero(~s.free.T)
-        self.rho = np.ascontiguousarray(dense(s.start, s.end, n).T)
-        self.ends = np.abs(self.rho)
+        self.start, self.end = structure.start, structure.end
+        n, d = structure.coordinates.shape
+        self.least = elements.least_extensions(structure.tension_only)
+        self.free, self.held = np.flatnonzero(structure.free.T), np.flatnonzero(~structure.free.T)
+        self.rho = np.ascontiguousarray(dense(self.start, self.end, n).T)
         axis, node = np.divmod(self.free, n)
         moving, node = np.unique(node, return_inverse=True)
         rho, m = self.rho[:, moving], len(moving)
         pairs = (rho[:, :, None] * rho[:, None, :]).reshape(-1, m * m)
-        self.columns, which = np.unique(pairs, axis=1, return_inverse=True)
-        which = which.reshape(-1)[node[:, None] * m + node]
-        self.places = ((axis[:, None] * self.d + axis) * self.columns.shape[1] + which).reshape(-1)
+        self.columns, kinds = np.unique(pairs, axis=1, return_inverse=True)
+        kinds = kinds.reshape(-1)[node[:, None] * m + node]
+        self.places = ((axis[:, None] * d + axis) * self.columns.shape[1] + kinds).reshape(-1)
 
     def framed(self, X: np.ndarray, k: np.ndarray, l0: np.ndarray, loads: np.ndarray) -> Rows:
-        """Return what stays the same while rows move, and X, each in its own frame, as `mechanics.frame`.
+        """Return starts and what stays the same while rows move, each in a frame as in `mechanics.frame`.
 
-        X and loads: (N, n, d); k and l0: (N, b). S: stiffness of the node, in which shifts are measured.
+        X, loads: (N, n, d); k, l0: (N, b). S: (N, f) stiffness of all elements at a node; load: the largest.
         """
         centre = np.add.reduce(X, 1) * (1.0 / X.shape[1])
         X = (X - centre[:, None]).swapaxes(1, 2)
-        length = _power_of_two(np.maximum(np.abs(X).max((1, 2)), l0.max(1)))
-        stiffness = _power_of_two(k.max(1))
-        X = np.ascontiguousarray(X / length[:, None, None])
-        k, l0 = k / stiffness[:, None], l0 / length[:, None]
-        F = flat((loads / (stiffness * length)[:, None, None]).swapaxes(1, 2))
-        F, nodal = F.take(self.free, axis=1), (k[:, None] @ self.ends)[:, 0]
-        S = np.where(nodal > 0.0, nodal, nodal.mean(1)[:, None]).take(self.free % X.shape[2], axis=1)
-        at_start = (k * elements.lengths((X @ self.rho.T).swapaxes(0, 1))).max(1)
-        load = np.abs(F).max(1)
+        length = np.ldexp(1.0, np.frexp(np.maximum(np.abs(X).max((1, 2)), l0.max(1)))[1])
+        stiffness = np.ldexp(1.0, np.frexp(k.max(1))[1])
+        X, l0 = np.ascontiguousarray(X / length[:, None, None]), l0 / length[:, None]
+        k = k / stiffness[:, None]
+        F = flat((loads / (stiffness * length)[:, None, None]).swapaxes(1, 2)).take(self.free, axis=1)
+        S = (k[:, None] @ np.abs(self.rho))[:, 0].take(self.free % X.shape[2], axis=1)
         frame = {"centre": centre, "length": length, "stiffness": stiffness}
-        return Rows(X=X, k=k, l0=l0, kl0=k * l0, F=F, S=S, load=load, at_start=at_start, **frame)
+        return Rows(X=X, k=k, l0=l0, F=F, S=S, load=np.abs(F).max(1), **frame)
 
-    def at(self, rows: Rows, X: np.ndarray) -> Rows:
-        """Return the columns of a State at (N, d, n) positions; g is (N, f)."""
-        s = self.structure
-        V = X.take(s.start, axis=2) - X.take(s.end, axis=2)
+    def at(self, r: Rows, step: np.ndarray) -> Rows:
+        """Return the columns of a State at the ends of steps, (N, f); g is (N, f)."""
+        X = r.X.copy()
+        flat(X)[:, self.free] += step
+        V = X.take(self.start, axis=2) - X.take(self.end, axis=2)
         l = elements.lengths(V.swapaxes(0, 1))
-        e = elements.extensions(l - rows.l0, self.least)
-        t = elements.forces(rows.k, e)
+        stretch = l - r.l0
+        e = elements.extensions(stretch, self.least)
+        t = elements.forces(r.k, e)
         q = elements.force_densities(t, l)
-        pull = (V * q[:, None]) @ self.rho
-        g = flat(pull).take(self.free, axis=1) - rows.F
-        return Rows(X=X, V=V, l=l, e=e, t=t, q=q, g=g, norm=np.sqrt(dot(g, g)))
+        g = flat((V * q[:, None]) @ self.rho).take(self.free, axis=1) - r.F
+        reach = np.abs(X).max(1)
+        far = np.maximum(reach.take(self.start, axis=1), reach.take(self.end, axis=1))
+        taut, rounding = elements.taut(stretch, self.least), EPS * (far + l + np.abs(e))
+        return Rows(X=X, V=V, l=l, e=e, t=t, q=q, g=g, norm=norms(g), taut=taut, rounding=rounding)
 
-    def moved(self, X: np.ndarray, step: np.ndarray) -> np.ndarray:
-        """Return (N, d, n) positions after a step (N, f) in free directions."""
-        there = X.copy()
-        flat(there)[:, self.free] += step
-        return there
-
-    def stiffness(self, rows: Rows, s: Rows, q: np.ndarray, taut: np.ndarray) -> np.ndarray:
-        """Return K, (N, f, f), eq. (11).
-
-        s: states of the rows; q: (N, b) force densities in place of their own; taut: (N, b) bool.
-        """
+    def stiffness(self, r: Rows, s: Rows, q: np.ndarray, taut: np.ndarray) -> np.ndarray:
+        """Return K, (N, f, f), eq. (11), of states; q, taut: (N, b) in place of their own."""
         l2 = s.l * s.l
-        w = rows.kl0 / (l2 * s.l) * taut + (s.q - q) / l2
+        w = r.k * r.l0 / (l2 * s.l) * taut + (s.q - q) / l2
         B = tangent.blocks(np.ascontiguousarray(s.V.swapaxes(0, 1)), w, q)
-        sums = B.swapaxes(0, 1) @ self.columns
-        K = flat(sums).take(self.places, axis=1)
-        return K.reshape(len(w), len(self.free), len(self.free))
-
-    def taut(self, rows: Rows, s: Rows) -> np.ndarray:
-        """Return (N, b) bool, not slack."""
-        return elements.taut(s.l - rows.l0, self.least)
-
-    def rounding(self, s: Rows) -> np.ndarray:
-        """Return (N, b) how far rounding blurs each extension."""
-        reach, ends = np.abs(s.X).max(1), self.structure
-        far = np.maximum(reach.take(ends.start, axis=1), reach.take(ends.end, axis=1))
-        return EPS * (far + s.l + np.abs(s.e))
+        entries = flat(B.swapaxes(0, 1) @ self.columns).take(self.places, axis=1)
+        return entries.reshape(len(w), len(self.free), len(self.free))
 
 
 def flat(A: np.ndarray) -> np.ndarray:
-    """Return (N, ...) arrays in a row each, a view where they are."""
+    """Return (N, ...) arrays with a row of entries for each, a view where there is one."""
     return A.reshape(len(A), prod(A.shape[1:]))
 
 
 def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Return (N,) inner products of (N, f) vectors."""
     return np.add.reduce(a * b, 1)
+
+
+def norms(a: np.ndarray) -> np.ndarray:
+    """Return (N,) Euclidean norms of (N, f) vectors."""
+    return np.sqrt(dot(a, a))
 
 
 def shifted(K: np.ndarray, shift: np.ndarray) -> np.ndarray:
@@ -137,16 +122,8 @@ def solved(M: np.ndarray, g: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return z, np.array([info != 0 for *_, info in found], dtype=bool)
 
 
-def all_motions(X: np.ndarray) -> np.ndarray:
-    """Return `mechanics.rigid.all_motions` of (N, d, n) positions, (N, r, d n)."""
+def rigid_motions(X: np.ndarray) -> np.ndarray:
+    """Return unit translations and rotations, (N, r, d n), of (N, d, n) positions about their frame."""
     N, d, n = X.shape
-    X = X - np.add.reduce(X, 2, keepdims=True) * (1.0 / n)
-    size = np.sqrt(np.add.reduce(X * X, (1, 2)))
-    X /= np.where(size > 0.0, size, 1.0)[:, None, None]
-    shifts = np.repeat(np.eye(d) * (1.0 / n) ** 0.5, n, axis=1)
-    return np.concatenate((np.broadcast_to(shifts, (N, d, d * n)), (turns(d) @ X).reshape(N, d * (d - 1) // 2, d * n)), axis=1)
-
-
-def _power_of_two(values: np.ndarray) -> np.ndarray:
-    """Return the powers of two in (value / 2, value]."""
-    return np.ldexp(1.0, np.frexp(values)[1] - 1)
+    shifts = np.broadcast_to(np.repeat(np.eye(d), n, axis=1), (N, d, d * n))
+    return np.concatenate((shifts, (turns(d) @ X).reshape(N, d * (d - 1) // 2, d * n)), axis=1)
