@@ -15,7 +15,7 @@ from cgff_cli.mechanics import elements
 from cgff_cli.mechanics.elements import EPS
 from cgff_cli.options import SolveOptions
 from cgff_cli.solvers.line_search import ENOUGH_DECREASE, FLAT_ENOUGH_FOR_NEWTON, MOST_TRIALS, TENFOLD
-from cgff_cli.solvers.many.rows import Rows, Topology, dot, flat, joined, norms, shifted, solved
+from cgff_cli.solvers.many.rows import Rows, Topology, dot, flat, joined, norms, solved
 from cgff_cli.solvers.many.signs import OPEN, WORDS, measured, signs
 from cgff_cli.solvers.preconditioners.base import FIRST_SHIFT, LONG_STEP, QUARTER
 from cgff_cli.structure import Structure
@@ -109,13 +109,10 @@ class Loop:
         r.X, r.e, r.t, r.norm = s.X, s.e, s.t, s.norm
         goes = self._goes_on(r, s)
         r, s = r.take(goes), s.take(goes)
-        shift, q = r.mu[:, None] * r.S, np.maximum(s.q, 0.0)
-        z, refused = solved(shifted(self.topology.stiffness(r, s, s.q, s.taut), shift), s.g)
-        if refused.any():
-            a, b = r.take(refused), s.take(refused)
-            M = shifted(self.topology.stiffness(a, b, q[refused], b.taut), shift[refused])
-            again, failed = solved(M, b.g)
-            z[refused] = np.where(failed[:, None], np.nan, again)
+        z, refused = solved(self.topology.stiffness(r, s, s.q, s.taut, r.mu), s.g)
+        a, b = r.take(refused), s.take(refused)
+        again, failed = solved(self.topology.stiffness(a, b, np.maximum(b.q, 0.0), b.taut, a.mu), b.g)
+        z[refused] = np.where(failed[:, None], np.nan, again)
         r.d, r.slope, r.alpha = -z, -dot(s.g, z), np.ones(len(z))
         r.low = np.stack((np.zeros(len(z)), r.slope), axis=1)
         r.high = np.full((len(z), 2), np.inf)
@@ -161,9 +158,7 @@ def _searched(r: Rows, slope: np.ndarray, descends: np.ndarray) -> Rows:
     is_low = (descends & (slope < 0.0))[:, None]
     r.low, r.high = np.where(is_low, trial, r.low), np.where(is_low, r.high, trial)
     width, bend = (r.high - r.low).T
-    share = -r.low[:, 1] / bend
-    share = np.where((share >= 1.0 / TENFOLD) & (share <= 1.0 - 1.0 / TENFOLD), share, 0.5)
-    secant = np.where(slope > r.slope, r.alpha * r.slope / (r.slope - slope), np.inf)
-    beyond = np.minimum(np.maximum(secant, r.alpha), TENFOLD * r.alpha)
-    r.alpha = np.where(np.isinf(r.high[:, 0]), beyond, r.low[:, 0] + width * share)
+    share = np.fmin(np.fmax(-r.low[:, 1] / bend, 1.0 / TENFOLD), 1.0 - 1.0 / TENFOLD)
+    beyond = r.alpha / np.maximum(1.0 - slope / r.slope, 1.0 / TENFOLD)
+    r.alpha = np.where(np.isinf(width), beyond, r.low[:, 0] + width * share)
     return r

@@ -35,8 +35,8 @@ def joined(parts: list[Rows]) -> Rows:
 class Topology:
     """What all rows share: who is joined to whom, what is free, which elements are cables.
 
-    Most pairs of nodes have the same elements between them, none. columns: (b, c) elements of the c kinds of
-    pairs; places: where the f f entries of K stand among sums over these of d d entries of blocks.
+    columns: (b, c) rho^T rho of every element between the c pairs of nodes that elements join, and a pair
+    that none does; places: where the f f entries of K stand among sums of d d blocks over these.
     """
 
     def __init__(self, structure: Structure):
@@ -47,11 +47,14 @@ class Topology:
         self.rho = np.ascontiguousarray(dense(self.start, self.end, n).T)
         axis, node = np.divmod(self.free, n)
         moving, node = np.unique(node, return_inverse=True)
-        rho, m = self.rho[:, moving], len(moving)
-        pairs = (rho[:, :, None] * rho[:, None, :]).reshape(-1, m * m)
-        self.columns, kinds = np.unique(pairs, axis=1, return_inverse=True)
-        kinds = kinds.reshape(-1)[node[:, None] * m + node]
-        self.places = ((axis[:, None] * d + axis) * self.columns.shape[1] + kinds).reshape(-1)
+        pairs = self.rho[:, moving, None] * self.rho[:, None, moving]
+        joins = np.triu(pairs.any(axis=0))
+        c = int(joins.sum())
+        self.columns = np.pad(pairs[:, joins], ((0, 0), (0, 1)))
+        kinds = np.full(joins.shape, c)
+        kinds[joins] = np.arange(c)
+        kinds = np.minimum(kinds, kinds.T)[node[:, None], node]
+        self.places = ((axis[:, None] * d + axis) * (c + 1) + kinds).reshape(-1)
 
     def framed(self, X: np.ndarray, k: np.ndarray, l0: np.ndarray, loads: np.ndarray) -> Rows:
         """Return starts and what stays the same while rows move, each in a frame as in `mechanics.frame`.
@@ -85,13 +88,17 @@ class Topology:
         taut, rounding = elements.taut(stretch, self.least), EPS * (far + l + np.abs(e))
         return Rows(X=X, V=V, l=l, e=e, t=t, q=q, g=g, norm=norms(g), taut=taut, rounding=rounding)
 
-    def stiffness(self, r: Rows, s: Rows, q: np.ndarray, taut: np.ndarray) -> np.ndarray:
-        """Return K, (N, f, f), eq. (11), of states; q, taut: (N, b) in place of their own."""
+    def stiffness(
+        self, r: Rows, s: Rows, q: np.ndarray, taut: np.ndarray, mu: np.ndarray | None = None
+    ) -> np.ndarray:
+        """Return K, (N, f, f), eq. (11), and mu S; q, taut: (N, b) in place of the states' own."""
         l2 = s.l * s.l
         w = r.k * r.l0 / (l2 * s.l) * taut + (s.q - q) / l2
         B = tangent.blocks(np.ascontiguousarray(s.V.swapaxes(0, 1)), w, q)
-        entries = flat(B.swapaxes(0, 1) @ self.columns).take(self.places, axis=1)
-        return entries.reshape(len(w), len(self.free), len(self.free))
+        entries, f = flat(B.swapaxes(0, 1) @ self.columns).take(self.places, axis=1), len(self.free)
+        if mu is not None:
+            entries[:, :: f + 1] += mu[:, None] * r.S
+        return entries.reshape(len(w), f, f)
 
 
 def flat(A: np.ndarray) -> np.ndarray:
@@ -107,12 +114,6 @@ def dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 def norms(a: np.ndarray) -> np.ndarray:
     """Return (N,) Euclidean norms of (N, f) vectors."""
     return np.sqrt(dot(a, a))
-
-
-def shifted(K: np.ndarray, shift: np.ndarray) -> np.ndarray:
-    """Return K, (N, f, f), with a shift, (N, f), added to the diagonals in place."""
-    flat(K)[:, :: K.shape[2] + 1] += shift
-    return K
 
 
 def solved(M: np.ndarray, g: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

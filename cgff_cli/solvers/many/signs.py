@@ -8,7 +8,7 @@ from scipy.linalg.lapack import dpotrf
 from cgff_cli.mechanics.elements import EPS
 from cgff_cli.mechanics.rigid import FLAT
 from cgff_cli.mechanics.signs import BLUR, SETTLED
-from cgff_cli.solvers.many.rows import Rows, Topology, flat, norms, rigid_motions, shifted
+from cgff_cli.solvers.many.rows import Rows, Topology, flat, norms, rigid_motions
 from cgff_cli.solvers.stopping import VANISHED
 
 OPEN, NEUTRAL, STABLE = range(3)
@@ -31,7 +31,7 @@ def signs(topology: Topology, r: Rows, s: Rows, floor: np.ndarray) -> np.ndarray
     where no rigid motion is idle but those of a free body, has the sign of its softest stiffness.
     """
     K, blurred, doubt, unsettled = _stiffness_and_doubts(topology, r, s, floor)
-    M = shifted(K.copy(), -np.maximum(doubt, unsettled)[:, None])
+    M = K - np.maximum(doubt, unsettled)[:, None, None] * np.eye(K.shape[1])
     found = np.array([OPEN if dpotrf(a, overwrite_a=1)[1] else STABLE for a in M.swapaxes(1, 2)], dtype=int)
     left = np.flatnonzero((found == OPEN) & (s.norm <= floor))
     left = left[_rests(topology, r.load[left], s.X[left])]
