@@ -15,7 +15,7 @@ from cgff_cli.mechanics import elements
 from cgff_cli.mechanics.elements import EPS
 from cgff_cli.options import SolveOptions
 from cgff_cli.solvers.line_search import ENOUGH_DECREASE, FLAT_ENOUGH_FOR_NEWTON, MOST_TRIALS, TENFOLD
-from cgff_cli.solvers.many.rows import Rows, Topology, dot, flat, joined, norms, solved
+from cgff_cli.solvers.many.rows import Rows, Topology, dot, flat, norms, solved
 from cgff_cli.solvers.many.signs import OPEN, WORDS, measured, signs
 from cgff_cli.solvers.preconditioners.base import FIRST_SHIFT, LONG_STEP, QUARTER
 from cgff_cli.structure import Structure
@@ -47,7 +47,9 @@ class Solutions:
 class Loop:
     """Solves what rows it can, and fills in their answers; all others stay `alone`.
 
-    values: (m, n, d) coordinates and loads, (m, b) stiffness and rest_lengths.
+    values: (m, n, d) coordinates and loads, (m, b) stiffness and rest_lengths. Columns of rows in work:
+    waited, best : (N,) evaluations since the residual's norm last halved, and that norm
+    low, high    : (N, 2) steps and slopes at the ends of the bracket of a line
     """
 
     def __init__(
@@ -68,24 +70,20 @@ class Loop:
                 if begun < m and 4 * room >= self.at_once:
                     parts.append(self._begun(begun, begun + room))
                     begun += room
-                rows = joined(parts)
+                columns = {key: np.concatenate([vars(part)[key] for part in parts]) for key in vars(rows)}
+                rows = Rows(**columns)
 
     def _begun(self, first: int, last: int) -> Rows:
         """Return rows at their starts, with their first directions."""
         number = np.arange(first, min(last, len(self.answers.alone)))
         names = ("coordinates", "stiffness", "rest_lengths", "loads")
-        r = self.topology.framed(*(self.values[name][number] for name in names))
-        s = self.topology.at(r, np.zeros_like(r.F))
+        r = self.topology.begun(*(self.values[name][number] for name in names))
         r.number, r.iteration, r.waited = number, np.zeros_like(number), np.zeros_like(number)
-        r.best, r.mu = np.full(len(number), np.inf), np.full(len(number), FIRST_SHIFT)
-        r.at_start = (r.k * s.l).max(1)
-        return self._set_out(r, s)
+        r.mu, r.best = np.full(len(number), FIRST_SHIFT), np.full(len(number), np.inf)
+        return self._set_out(r, self.topology.at(r, np.zeros_like(r.F)))
 
     def _step(self, r: Rows) -> list[Rows]:
-        """Evaluate all rows at the ends of their steps; return those that search on, and that set out again.
-
-        waited: (N,) evaluations since the residual halved.
-        """
+        """Evaluate rows at the ends of their steps; return those that search on, and that set out again."""
         r.waited += 1
         step = r.alpha[:, None] * r.d
         s = self.topology.at(r, step)
@@ -126,34 +124,29 @@ class Loop:
         halved = r.norm <= 0.5 * r.best
         r.best, r.waited = np.where(halved, r.norm, r.best), np.where(halved, 0, r.waited)
         residual, tolerance = np.abs(s.g).max(1), self.options.tolerance
-        goes = r.waited < MOST_TRIALS
+        goes = (r.waited < MOST_TRIALS) & (r.iteration < self.options.max_iterations)
         near = np.flatnonzero(residual <= tolerance * np.maximum((r.k * s.l).max(1), r.load))
         reference, floor = measured(self.topology, r.take(near), s.take(near))
         relative = residual[near] / reference
         near, relative, floor = (column[relative <= tolerance] for column in (near, relative, floor))
         found = signs(self.topology, r.take(near), s.take(near), floor)
-        goes[near] = (found == OPEN) & (s.norm[near] > floor) & halved[near]
         sure = found != OPEN
+        goes[near] &= ~sure & (s.norm[near] > floor) & halved[near]
         self._note(r.take(near[sure]), s.take(near[sure]), relative[sure], found[sure])
-        return goes & (r.iteration < self.options.max_iterations)
+        return goes
 
     def _note(self, r: Rows, s: Rows, relative: np.ndarray, found: np.ndarray) -> None:
         """Write down the answers of rows, in the user's units."""
-        number, unit, to = r.number, r.length * r.stiffness, self.answers
-        X = s.X.swapaxes(1, 2) * r.length[:, None, None] + r.centre[:, None]
+        number, to, X = r.number, self.answers, s.X.swapaxes(1, 2) + r.centre[:, None]
         to.coordinates[number] = np.where(self.free, X, self.values["coordinates"][number])
-        to.forces[number] = s.t * unit[:, None]
         work = dot(flat(self.values["loads"][number]), flat(X))
-        to.energy[number] = elements.energy(s.t, s.e) * (unit * r.length) - work
+        to.forces[number], to.energy[number] = s.t, elements.energy(s.t, s.e) - work
         to.residual_relative[number], to.iterations[number] = relative, r.iteration
         to.stability[number], to.alone[number] = WORDS[found], False
 
 
 def _searched(r: Rows, slope: np.ndarray, descends: np.ndarray) -> Rows:
-    """Return rows with the next trials of their lines: by secants, or halves, as in `line_search`.
-
-    low, high: (N, 2) steps and slopes at the ends of a bracket.
-    """
+    """Return rows with the next trials of their lines: by secants, or halves, as in `line_search`."""
     trial = np.stack((r.alpha, slope), axis=1)
     is_low = (descends & (slope < 0.0))[:, None]
     r.low, r.high = np.where(is_low, trial, r.low), np.where(is_low, r.high, trial)

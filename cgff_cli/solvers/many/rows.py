@@ -27,11 +27,6 @@ class Rows(SimpleNamespace):
         return Rows(**{name: column.take(chosen, axis=0) for name, column in vars(self).items()})
 
 
-def joined(parts: list[Rows]) -> Rows:
-    """Return rows with the same columns, one after another."""
-    return Rows(**{name: np.concatenate([vars(part)[name] for part in parts]) for name in vars(parts[0])})
-
-
 class Topology:
     """What all rows share: who is joined to whom, what is free, which elements are cables.
 
@@ -56,21 +51,18 @@ class Topology:
         kinds = np.minimum(kinds, kinds.T)[node[:, None], node]
         self.places = ((axis[:, None] * d + axis) * (c + 1) + kinds).reshape(-1)
 
-    def framed(self, X: np.ndarray, k: np.ndarray, l0: np.ndarray, loads: np.ndarray) -> Rows:
-        """Return starts and what stays the same while rows move, each in a frame as in `mechanics.frame`.
+    def begun(self, X: np.ndarray, k: np.ndarray, l0: np.ndarray, loads: np.ndarray) -> Rows:
+        """Return starts, each about its centroid, and what stays the same while rows move.
 
         X, loads: (N, n, d); k, l0: (N, b). S: (N, f) stiffness of all elements at a node; load: the largest.
+        Units are the user's: nothing here is compared with a number that has one.
         """
         centre = np.add.reduce(X, 1) * (1.0 / X.shape[1])
-        X = (X - centre[:, None]).swapaxes(1, 2)
-        length = np.ldexp(1.0, np.frexp(np.maximum(np.abs(X).max((1, 2)), l0.max(1)))[1])
-        stiffness = np.ldexp(1.0, np.frexp(k.max(1))[1])
-        X, l0 = np.ascontiguousarray(X / length[:, None, None]), l0 / length[:, None]
-        k = k / stiffness[:, None]
-        F = flat((loads / (stiffness * length)[:, None, None]).swapaxes(1, 2)).take(self.free, axis=1)
-        S = (k[:, None] @ np.abs(self.rho))[:, 0].take(self.free % X.shape[2], axis=1)
-        frame = {"centre": centre, "length": length, "stiffness": stiffness}
-        return Rows(X=X, k=k, l0=l0, F=F, S=S, load=np.abs(F).max(1), **frame)
+        F = flat(loads.swapaxes(1, 2)).take(self.free, axis=1)
+        S = (k[:, None] @ np.abs(self.rho))[:, 0].take(self.free % X.shape[1], axis=1)
+        X = np.ascontiguousarray((X - centre[:, None]).swapaxes(1, 2))
+        at_start = (k * elements.lengths((X @ self.rho.T).swapaxes(0, 1))).max(1)
+        return Rows(X=X, k=k, l0=l0, F=F, S=S, load=np.abs(F).max(1), centre=centre, at_start=at_start)
 
     def at(self, r: Rows, step: np.ndarray) -> Rows:
         """Return the columns of a State at the ends of steps, (N, f); g is (N, f)."""
@@ -88,16 +80,13 @@ class Topology:
         taut, rounding = elements.taut(stretch, self.least), EPS * (far + l + np.abs(e))
         return Rows(X=X, V=V, l=l, e=e, t=t, q=q, g=g, norm=norms(g), taut=taut, rounding=rounding)
 
-    def stiffness(
-        self, r: Rows, s: Rows, q: np.ndarray, taut: np.ndarray, mu: np.ndarray | None = None
-    ) -> np.ndarray:
+    def stiffness(self, r: Rows, s: Rows, q: np.ndarray, taut: np.ndarray, mu: np.ndarray) -> np.ndarray:
         """Return K, (N, f, f), eq. (11), and mu S; q, taut: (N, b) in place of the states' own."""
         l2 = s.l * s.l
         w = r.k * r.l0 / (l2 * s.l) * taut + (s.q - q) / l2
         B = tangent.blocks(np.ascontiguousarray(s.V.swapaxes(0, 1)), w, q)
         entries, f = flat(B.swapaxes(0, 1) @ self.columns).take(self.places, axis=1), len(self.free)
-        if mu is not None:
-            entries[:, :: f + 1] += mu[:, None] * r.S
+        entries[:, :: f + 1] += mu[:, None] * r.S
         return entries.reshape(len(w), f, f)
 
 
@@ -124,7 +113,8 @@ def solved(M: np.ndarray, g: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def rigid_motions(X: np.ndarray) -> np.ndarray:
-    """Return unit translations and rotations, (N, r, d n), of (N, d, n) positions about their frame."""
+    """Return unit translations, and rotations over the size, (N, r, d n), of (N, d, n) positions."""
     N, d, n = X.shape
+    turned = turns(d) @ (X / np.abs(X).max((1, 2), keepdims=True))
     shifts = np.broadcast_to(np.repeat(np.eye(d), n, axis=1), (N, d, d * n))
-    return np.concatenate((shifts, (turns(d) @ X).reshape(N, d * (d - 1) // 2, d * n)), axis=1)
+    return np.concatenate((shifts, turned.reshape(N, d * (d - 1) // 2, d * n)), axis=1)

@@ -32,8 +32,10 @@ def signs(topology: Topology, r: Rows, s: Rows, floor: np.ndarray) -> np.ndarray
     """
     K, blurred, doubt, unsettled = _stiffness_and_doubts(topology, r, s, floor)
     M = K - np.maximum(doubt, unsettled)[:, None, None] * np.eye(K.shape[1])
-    found = np.array([OPEN if dpotrf(a, overwrite_a=1)[1] else STABLE for a in M.swapaxes(1, 2)], dtype=int)
-    left = np.flatnonzero((found == OPEN) & (s.norm <= floor))
+    is_finite = np.isfinite(norms(flat(M)))  # dpotrf does not say
+    factored = [dpotrf(a, overwrite_a=1)[1] == 0 for a in M.swapaxes(1, 2)]
+    found = np.where(is_finite & np.array(factored, dtype=bool), STABLE, OPEN)
+    left = np.flatnonzero((found == OPEN) & (s.norm <= floor) & is_finite)
     left = left[_rests(topology, r.load[left], s.X[left])]
     softest = np.linalg.eigvalsh(K[left])[:, 0]
     word = np.where(softest > doubt[left], STABLE, NEUTRAL)
@@ -49,13 +51,13 @@ def _stiffness_and_doubts(topology: Topology, r: Rows, s: Rows, floor: np.ndarra
     """
     sure, slight = s.taut & (r.l0 > 0.0), VANISHED * np.maximum(floor, s.norm)
     may_slacken = (topology.least == 0.0) & sure & (s.t <= slight[:, None])
-    K = topology.stiffness(r, s, s.q, s.taut & ~may_slacken)
-    reach, shortest = np.abs(s.X).max((1, 2))[:, None], np.where(sure, s.l, np.inf).min(1)
-    own = r.k * sure * (1.0 + (reach + np.abs(s.e)) / s.l)
-    blurred = BLUR * sqrt(K.shape[1]) * norms(flat(K)) + 4.0 * EPS * own.max(1)
+    K = topology.stiffness(r, s, s.q, s.taut & ~may_slacken, np.zeros_like(floor))
     if not len(topology.held):
         R = rigid_motions(s.X)
         K += ((r.load == 0.0) * r.S.mean(1) / R.shape[2])[:, None, None] * R.swapaxes(1, 2) @ R
+    reach, shortest = np.abs(s.X).max((1, 2))[:, None], np.where(sure, s.l, np.inf).min(1)
+    own = r.k * sure * (1.0 + (reach + np.abs(s.e)) / s.l)
+    blurred = BLUR * sqrt(K.shape[1]) * norms(flat(K)) + 4.0 * EPS * own.max(1)
     unsettled = np.sqrt(SETTLED * r.S.max(1) / shortest * s.norm)
     return K, blurred, blurred + 4.0 * s.norm / shortest, unsettled
 
