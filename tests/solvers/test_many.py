@@ -131,6 +131,33 @@ def test_no_row_is_stable_by_cables_that_may_be_slack_within_the_tolerance():
     assert told.count("neutral") > 5
 
 
+@pytest.mark.parametrize("tolerance", [1e-3, 0.1])
+def test_a_loose_tolerance_makes_no_row_more_stable_or_neutral_than_it_is(tolerance):
+    of, rest = shipped("prism"), varied(shipped("prism"), 100)["rest_lengths"]
+    found = cgff_cli.solve_many(of, rest_lengths=rest, tolerance=tolerance)
+    exact = cgff_cli.solve_many(of, rest_lengths=rest)
+    assert found.stability.tolist() == exact.stability.tolist()
+
+
+def test_a_row_that_almost_balances_where_it_is_about_to_snap_through_goes_on():
+    y, rest = np.linspace(0.0, 0.5, 10001), np.hypot(1.0, 0.5)
+    limit = (200.0 * (rest / np.hypot(1.0, y) - 1.0) * y).max()
+    bars = [(0, 2, "strut", 100.0, rest), (1, 2, "strut", 100.0, rest)]
+    points, held = [(-1.0, 0.0), (1.0, 0.0), (0.0, 0.5)], {0: "xy", 1: "xy", 2: "x"}
+    loads = np.zeros((2, 3, 2))
+    loads[:, 2, 1] = -limit * np.array([0.9, 1.001])
+    found = cgff_cli.solve_many(scene(points, bars, held, {2: (0.0, -1.0)}), loads=loads, tolerance=0.01)
+    assert found.stability.tolist() == ["stable", "stable"]
+    assert (found.coordinates[:, 2, 1] > 0.0).tolist() == [True, False]
+
+
+def test_a_far_origin_costs_no_digits():
+    of, values = shipped("prism"), varied(shipped("prism"))
+    far = values["coordinates"] + 2.0**20
+    found = cgff_cli.solve_many(of, **values | {"coordinates": far})
+    assert found.forces == pytest.approx(cgff_cli.solve_many(of, **values).forces, rel=1e-9, abs=1e-9)
+
+
 def test_without_arrays_there_is_one_row_the_scene_itself():
     found = cgff_cli.solve_many(shipped("prism"))
     assert found.coordinates.shape == (1, 6, 3)

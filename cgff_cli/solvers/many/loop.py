@@ -102,24 +102,24 @@ class Loop:
     def _set_out(self, r: Rows, s: Rows) -> Rows:
         """Return the rows that go on from states s, with full steps along -M^-1 g.
 
-        Where K and its shift have no Cholesky factor, M is without negative force densities.
+        Where K and its shift have no Cholesky factor, M is without negative force densities; where that has
+        none either, M is 1, as dposv leaves g alone.
         """
         r.X, r.e, r.t, r.norm = s.X, s.e, s.t, s.norm
         goes = self._goes_on(r, s)
         r, s = r.take(goes), s.take(goes)
         z, refused = solved(self.topology.stiffness(r, s, s.q, s.taut, r.mu), s.g)
         a, b = r.take(refused), s.take(refused)
-        again, failed = solved(self.topology.stiffness(a, b, np.maximum(b.q, 0.0), b.taut, a.mu), b.g)
-        z[refused] = np.where(failed[:, None], np.nan, again)
+        z[refused], _ = solved(self.topology.stiffness(a, b, np.maximum(b.q, 0.0), b.taut, a.mu), b.g)
         r.d, r.slope, r.alpha = -z, -dot(s.g, z), np.ones(len(z))
         r.low = np.stack((np.zeros(len(z)), r.slope), axis=1)
         r.high = np.full((len(z), 2), np.inf)
-        return r.take(r.slope < 0.0)
+        return r
 
     def _goes_on(self, r: Rows, s: Rows) -> np.ndarray:
         """Return which rows go on, (N,) bool, and note those that balance.
 
-        Of these go on, as long as that helps, those that are to be nearer before their signs are sure.
+        Of these go on those that are to be nearer before their signs are sure.
         """
         halved = r.norm <= 0.5 * r.best
         r.best, r.waited = np.where(halved, r.norm, r.best), np.where(halved, 0, r.waited)
@@ -131,7 +131,7 @@ class Loop:
         near, relative, floor = (column[relative <= tolerance] for column in (near, relative, floor))
         found = signs(self.topology, r.take(near), s.take(near), floor)
         sure = found != OPEN
-        goes[near] &= ~sure & (s.norm[near] > floor) & halved[near]
+        goes[near] &= ~sure & (s.norm[near] > floor)
         self._note(r.take(near[sure]), s.take(near[sure]), relative[sure], found[sure])
         return goes
 
