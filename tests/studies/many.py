@@ -1,7 +1,7 @@
 """How many structures a second `solve_many` solves, beside a loop of fsolve and of `solve`.
 
     OPENBLAS_NUM_THREADS=1 python tests/studies/many.py [--rows 10000] [--repeat 5] [--only prism]
-        [--entries 512]
+        [--entries 65536]
 
 Rest lengths of every element scatter by 5 % about the scene's, or starts by 20 % of its size. Microseconds
 of CPU time a row, medians of rounds in which all take their turn, rivals on the round's first rows; beside
