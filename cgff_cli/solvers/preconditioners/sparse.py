@@ -44,7 +44,7 @@ class SparseTangent(Tangent):
 
     def system(self, parts: Parts, shift: float, *, trusted: bool = False) -> Solve | None:
         """Return M^-1 as a function, or None where it has no Cholesky factor."""
-        factor = self._factor(parts, shift * self.S, trusted or self.squared)
+        factor = self._factor(parts, shift * self.S)
         if factor is None:
             return None
         self.is_thick = factor.fill > THIN * len(self.pattern.indices)
@@ -58,7 +58,7 @@ class SparseTangent(Tangent):
             z = np.ascontiguousarray(z.reshape(g.shape[::-1]).T)
             if R is not None:
                 flat = z.reshape(-1)
-                flat -= R @ np.linalg.lstsq(R, flat, rcond=None)[0]
+                flat -= R @ np.linalg.lstsq(R.T @ R, flat @ R, rcond=None)[0]
             return z
 
         return solve
@@ -89,18 +89,15 @@ class SparseTangent(Tangent):
 
     def definite(self, state: State, sigma: float, taut: np.ndarray | None = None) -> Factor | None:
         """Return the factor of K + sigma, or None unless no eigenvalue of K is below -sigma."""
-        return self._factor(state.parts(None, taut), np.full_like(self.S, sigma), False)
+        return self._factor(state.parts(None, taut), sigma)
 
-    def _factor(self, parts: Parts, shift: np.ndarray, trusted: bool) -> Factor | None:
+    def _factor(self, parts: Parts, shift: np.ndarray | float) -> Factor | None:
         """Return the factor of K of its parts and a shift per node, pinned if afloat, or None."""
         X, V, w, q = parts
-        extra = shift[:, None, None] * np.eye(len(X))
         held = float(self.S.mean())
-        if self.is_afloat:
-            for node, block in _pins(X.T):
-                extra[node] += held * block
+        pins = [(row, held * block) for row, block in _pins(X.T)] if self.is_afloat else ()
         self.factorizations += 1
-        return self.factory.factor(self.pattern.fill(V, w, q, extra, held), trusted)
+        return self.factory.factor(self.pattern.fill(V, w, q, shift, pins, held))
 
 
 def _pins(X: np.ndarray) -> list[tuple[int, np.ndarray]]:
