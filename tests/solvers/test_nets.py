@@ -67,7 +67,7 @@ def test_frames_precondition_with_a_gauss_seidel_sweep_over_k_in_their_own_axes(
     M.refresh(state)
     d, m = state.X.shape
     Q = np.zeros((d, m, d, m))  # rows: local direction, node; columns: axis, node
-    Q[:, np.arange(m), :, np.arange(m)] = M.frames.transpose(1, 0, 2)
+    Q[:, np.arange(m), :, np.arange(m)] = M.frames.transpose(2, 0, 1)
     Q = Q.reshape(d * m, d * m)
     local = Q @ state.dense_tangent() @ Q.T
     direction = np.repeat(np.arange(d), m)

@@ -24,6 +24,7 @@ import numpy as np
 from versions_in_one import ROOT, Version
 from yardsticks import linear_solve, sparse_newton
 
+BALANCED = "converged", "rounding_floor"
 HEAD = (
     f"{'scene':34} {'factor':7} {'verdict':14} {'its':>5} {'factors':>7} {'slack':>6} {'residual':>8}"
     f" {'seconds':>8} {'units':>7} {'before':>7} {'newton':>7} {'GB':>5}"
@@ -41,7 +42,9 @@ def timed(call):
 def solving(version, family, given, limit, **options):
     """Return a call that solves a scene with one version, made before the clock starts."""
     with version:
-        structure = import_module("cgff_cli.structure").from_scene(import_module("cgff_cli").new(family, **given))
+        structure = import_module("cgff_cli.structure").from_scene(
+            import_module("cgff_cli").new(family, **given)
+        )
         form_find = import_module("cgff_cli.solvers.cgff").form_find
         options = import_module("cgff_cli.options").SolveOptions(**options)
 
@@ -115,20 +118,27 @@ def imbalance(structure, X):
     return np.abs(g[structure.free]).max() / max(np.abs(t).max(), np.abs(structure.loads).max())
 
 
+def spans(structure, X):
+    """Return the (b,) lengths at (n, d) coordinates."""
+    return np.linalg.norm(X[structure.start] - X[structure.end], axis=1)
+
+
 def exact(family, given, own):
     """Return the lengths that a family's closed form has, or None where the scene is another."""
     if family != "tower":
         return None
     plain = {name: value for name, value in given.items() if name not in ("noise", "seed")}
     _, structure = solving(own, family, plain, 0.0)
-    return np.linalg.norm(structure.coordinates[structure.start] - structure.coordinates[structure.end], axis=1)
+    return spans(structure, structure.coordinates)
 
 
-def judged(found, lengths):
+def judged(found, structure, lengths):
     """Return the verdict, or `wrong` where lengths are known and others."""
     verdict = str(found.verdict)
-    if verdict in ("converged", "rounding_floor") and lengths is not None:
-        return verdict if np.abs(found.lengths / lengths - 1.0).max() < 1e-6 else "wrong"
+    if verdict in BALANCED and lengths is not None:
+        return (
+            verdict if np.abs(spans(structure, found.coordinates) / lengths - 1.0).max() < 1e-6 else "wrong"
+        )
     return verdict
 
 
@@ -156,19 +166,18 @@ def row(name, family, given, arguments, newton=False):
         seconds, now = least["now"], found["now"]
         told = {"before": "", "newton": ""}
         if "before" in found:
-            was = judged(found["before"], lengths)
-            word = "" if was in ("converged", "rounding_floor") else was[:3]
+            was = judged(found["before"], structure, lengths)
+            word = "" if was in BALANCED else was[:3]
             told["before"] = f"{least['before'] / seconds:.2f}{word}"
         if newton:
-            X, steps = found["newton"]
+            X, _ = found["newton"]
             close = imbalance(structure, X) < 1e-9
             if close and lengths is not None:
-                reached = np.linalg.norm(X[structure.start] - X[structure.end], axis=1)
-                close = np.abs(reached / lengths - 1.0).max() < 1e-6
+                close = np.abs(spans(structure, X) / lengths - 1.0).max() < 1e-6
             told["newton"] = f"{least['newton'] / seconds:.2f}{'' if close else 'bad'}"
         print(
-            f"{name:34} {kind:7} {judged(now, lengths):14.14} {now.iterations:5} {now.factorizations:7}"
-            f" {int(now.slack.sum()):6} {now.relative:8.0e} {seconds:8.3f} {seconds / least['unit']:7.2f}"
+            f"{name:34} {kind:7} {judged(now, structure, lengths):14.14} {now.iterations:5}"
+            f" {now.factorizations:7} {int(now.slack.sum()):6} {now.relative:8.0e} {seconds:8.3f} {seconds / least['unit']:7.2f}"
             f" {told['before']:>7} {told['newton']:>7}"
             f" {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6:5.2f}",
             flush=True,
