@@ -125,8 +125,7 @@ class TangentPattern:
             blocks[:, place] = wV[a] * V[c]
         blocks[:, trace] += q[:, None]
         sums = self._sums @ blocks
-        for place in trace:
-            sums[self.graph.diagonal, place] += shift
+        sums[self.graph.diagonal[:, None], trace] += np.reshape(shift, (-1, 1))
         for row, block in pins:
             sums[self.graph.diagonal[row]] += block[i, j]
         data = sums.reshape(-1)[self._order]

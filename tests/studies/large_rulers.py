@@ -175,11 +175,11 @@ def row(name, family, given, arguments, newton=False):
             if close and lengths is not None:
                 close = np.abs(spans(structure, X) / lengths - 1.0).max() < 1e-6
             told["newton"] = f"{least['newton'] / seconds:.2f}{'' if close else 'bad'}"
+        peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
         print(
             f"{name:34} {kind:7} {judged(now, structure, lengths):14.14} {now.iterations:5}"
-            f" {now.factorizations:7} {int(now.slack.sum()):6} {now.relative:8.0e} {seconds:8.3f} {seconds / least['unit']:7.2f}"
-            f" {told['before']:>7} {told['newton']:>7}"
-            f" {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6:5.2f}",
+            f" {now.factorizations:7} {int(now.slack.sum()):6} {now.relative:8.0e} {seconds:8.3f}"
+            f" {seconds / least['unit']:7.2f} {told['before']:>7} {told['newton']:>7} {peak:5.2f}",
             flush=True,
         )
 

@@ -38,8 +38,7 @@ class NodeFrames(Preconditioner):
         self.mechanics = mechanics
         moves = structure.free.any(axis=1)
         self.pattern = GraphPattern(structure.start, structure.end, np.where(moves, np.cumsum(moves) - 1, -1))
-        parts = self.pattern.indices, self.pattern.indptr
-        self.factories = [factory(*parts, kind) for _ in range(d)]
+        self.factory = factory(self.pattern.indices, self.pattern.indptr, kind)
         self.factors: list[Factor] = []
         self.shared: tuple[Factor, np.ndarray] | None = None
         self.scale = 1.0
@@ -137,7 +136,7 @@ class NodeFrames(Preconditioner):
         share = 1e-14 * float(data[diagonal].max())
         while True:
             self.factorizations += 1
-            factor = self.factories[f].factor(data, is_definite=True)
+            factor = self.factory.factor(data, f, is_definite=True)
             if factor is not None:
                 return factor
             data[diagonal] += share

@@ -1,9 +1,8 @@
 """The shifted tangent as a sparse matrix, for large structures of any kind.
 
-As in the dense one, but M is kept while its steps shrink the gradient well, unless its factor is so thin
-that a new one costs no more than an iteration (towers). A floating body is pinned in six directions that
-leave it statically determinate: the forces on it balance, so pins carry nothing and only choose one of the
-many solutions, from which the rigid motions are then projected out.
+As in the dense one, but its signs are always looked at, which costs little here. A floating body is pinned in
+six directions that leave it statically determinate: the forces on it balance, so pins carry nothing and only
+choose one of the many solutions, from which the rigid motions are then projected out.
 """
 
 import numpy as np
@@ -13,10 +12,7 @@ from cgff_cli.mechanics.rigid import all_motions
 from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.mechanics.tangent import Parts
 from cgff_cli.solvers.factors import Factor, factory
-from cgff_cli.solvers.preconditioners.base import GOOD_PROGRESS, Solve, Tangent
-
-THIN = 12
-"""A factor with at most this many entries per entry of K is renewed every iteration."""
+from cgff_cli.solvers.preconditioners.base import Solve, Tangent
 
 INVERSE_ITERATIONS = 30
 
@@ -30,24 +26,12 @@ class SparseTangent(Tangent):
         self.factory = factory(self.pattern.indices, self.pattern.indptr, kind)
         self.S = mechanics.scale_stiffness
         self.is_afloat = mechanics.all_free and mechanics.F is None
-        self.is_thick = False
-
-    def refresh(self, state: State) -> None:
-        """Form M anew unless the last one, dear to factor, still serves."""
-        if self.solve is None or not (self.is_thick and self.progress < GOOD_PROGRESS):
-            super().refresh(state)
-
-    def adapt(self, alpha: float, shrinkage: float) -> None:
-        """Adapt mu; progress counts at any step length."""
-        super().adapt(alpha, shrinkage)
-        self.progress = shrinkage
 
     def system(self, parts: Parts, shift: float, *, trusted: bool = False) -> Solve | None:
         """Return M^-1 as a function, or None where it has no Cholesky factor."""
         factor = self._factor(parts, shift * self.S)
         if factor is None:
             return None
-        self.is_thick = factor.fill > THIN * len(self.pattern.indices)
         R = all_motions(parts.X) if self.is_afloat else None
 
         def solve(g: np.ndarray) -> np.ndarray:
