@@ -50,6 +50,9 @@ LEAST_SHIFT = 1e-13
 LONG_STEP, SHORT_STEP = 0.5, 0.2
 CAUTION = 100.0
 
+TENFOLD = 10.0
+"""Growth of a shift that was too small."""
+
 GOOD_PROGRESS = 0.25
 """A step that shrinks the gradient to this share earns M trust: another step, or no test of its signs."""
 
@@ -93,7 +96,7 @@ class Tangent(Preconditioner, ABC):
         self.solve = self.at(state, None, trusted=self.progress < GOOD_PROGRESS)
         while self.solve is None:
             self.solve = self.at(state, np.maximum(state.q, 0.0))
-            self.mu *= 1.0 if self.solve else 10.0
+            self.mu *= 1.0 if self.solve else TENFOLD
 
     def apply(self, g: np.ndarray) -> np.ndarray:
         """Return M^-1 g, (d, m)."""
@@ -105,7 +108,7 @@ class Tangent(Preconditioner, ABC):
         if alpha > LONG_STEP:
             self.mu = max(self.mu * min(0.1, shrinkage), LEAST_SHIFT)
         elif alpha < SHORT_STEP:
-            self.mu *= 10.0
+            self.mu *= TENFOLD
 
     def stiffen(self) -> None:
         """Raise mu a hundredfold, and trust nothing."""

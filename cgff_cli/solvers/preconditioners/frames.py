@@ -17,14 +17,14 @@ from typing import Any
 
 import numpy as np
 
-from cgff_cli.mechanics.elements import TINY
+from cgff_cli.mechanics.elements import EPS, TINY
 from cgff_cli.mechanics.pattern import GraphPattern
 from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.solvers.factors import Factor, factory
 from cgff_cli.solvers.line_search import FLAT, Goal, strong_wolfe
 from cgff_cli.solvers.objectives import Energy
-from cgff_cli.solvers.preconditioners.base import SHORT_STEP, Preconditioner
-from cgff_cli.solvers.preconditioners.planes import SLACK_SHARE, local_frames
+from cgff_cli.solvers.preconditioners.base import CAUTION, FIRST_SHIFT, SHORT_STEP, Preconditioner
+from cgff_cli.solvers.preconditioners.planes import local_frames
 
 
 class NodeFrames(Preconditioner):
@@ -85,8 +85,8 @@ class NodeFrames(Preconditioner):
             k, q = self.mechanics.k, self.scale * q
             known = [factor]
         else:
-            slack = state.slack
-            k = np.where(slack, SLACK_SHARE, 1.0) * self.mechanics.k
+            slack = state.slack  # which keeps some stiffness, so that a node held by slack cables has some
+            k = np.where(slack, FIRST_SHIFT, 1.0) * self.mechanics.k
             q = np.where(slack, k, state.q)
             self.scale, known = 1.0, []
         u = state.V / state.l
@@ -133,14 +133,14 @@ class NodeFrames(Preconditioner):
     def _factor(self, f: int, data: np.ndarray) -> Factor:
         """Return a factor of the matrix with this data, stiffened a little where rounding asks for it."""
         diagonal = self.pattern.diagonal
-        share = 1e-14 * float(data[diagonal].max())
+        share = EPS * float(data[diagonal].max())
         while True:
             self.factorizations += 1
             factor = self.factory.factor(data, f, is_definite=True)
             if factor is not None:
                 return factor
             data[diagonal] += share
-            share *= 100.0
+            share *= CAUTION
 
 
 def _blocks(

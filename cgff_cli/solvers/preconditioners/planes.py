@@ -4,13 +4,13 @@ import numpy as np
 
 from cgff_cli.mechanics.elements import EPS, TINY
 from cgff_cli.mechanics.pattern import GraphPattern
-
-SLACK_SHARE = 1e-3
-"""Stiffness that a slack cable keeps in M, so that a node held by slack cables has some."""
+from cgff_cli.solvers.preconditioners.base import FIRST_SHIFT
 
 CUBIC = 3
 """Power of the cosine by which elements count for a family: 1 takes half as many iterations again, 5 gains
 nothing (tests/studies/large_rulers.py crossover)."""
+
+_AXES = np.eye(3)
 
 _CYCLES = ((1, 2), (2, 0), (0, 1))
 
@@ -23,20 +23,20 @@ def local_frames(pattern: GraphPattern, k: np.ndarray, u: np.ndarray) -> np.ndar
     elements that run the way of the net's first, the first is conjugate to it in A, and it to the first: each
     stretches one family of cables alone, however skew the meshes are. Of a chain they are its own directions.
     """
-    d, b = u.shape
-    u = np.concatenate((u, np.zeros((3 - d, b))))
+    d = len(u)
+    u = _AXES[:, :d] @ u
     way = (k * (u[:, 0] @ u) ** CUBIC) @ u.T
     family = ((way / (np.linalg.norm(way) + TINY)) @ u) ** CUBIC
-    i, j = np.triu_indices(3)
+    i, j = np.triu_indices(len(u))
     own = [k * u[a] * u[c] for a, c in zip(i, j, strict=True)] + [k * family * axis for axis in u]
     sums = np.stack([pattern.per_node(weights, weights) for weights in own], axis=1)
     sums = np.ascontiguousarray((pattern.matrix(np.ones(len(pattern.indices))) @ sums).T)
-    A = np.empty((3, 3, pattern.size))
+    A = np.empty((len(u), len(u), pattern.size))
     A[i, j] = A[j, i] = sums[: len(i)]
-    normal = _softest(_stiffened(A, EPS**0.5)) if d > 2 else np.eye(3)[:, 2:]
-    A = _stiffened(A, SLACK_SHARE)
+    normal = _softest(_stiffened(A, EPS**0.5)) if d > 2 else _AXES[:, 2:]
+    A = _stiffened(A, FIRST_SHIFT)
     second = _cross(normal, _normalized(sums[len(i) :]))
-    other = _cross(normal, np.eye(3)[:, np.abs(normal).argmin(axis=0)])
+    other = _cross(normal, _AXES[:, np.abs(normal).argmin(axis=0)])
     second = np.where(np.square(second).sum(axis=0) > EPS, second, other)
     first = _normalized(_cross(np.einsum("acn,cn->an", A, second), normal))
     second = _normalized(_cross(normal, np.einsum("acn,cn->an", A, first)))
@@ -45,7 +45,7 @@ def local_frames(pattern: GraphPattern, k: np.ndarray, u: np.ndarray) -> np.ndar
 
 def _stiffened(A: np.ndarray, share: float) -> np.ndarray:
     """Return (3, 3, n) matrices with a share of their traces added, which makes them invertible."""
-    return A + np.multiply.outer(np.eye(3), share * np.einsum("aan->n", A))
+    return A + np.multiply.outer(_AXES, share * np.einsum("aan->n", A))
 
 
 def _softest(A: np.ndarray) -> np.ndarray:

@@ -7,12 +7,13 @@ choose one of the many solutions, from which the rigid motions are then projecte
 
 import numpy as np
 
+from cgff_cli.mechanics.elements import EPS
 from cgff_cli.mechanics.pattern import TangentPattern
 from cgff_cli.mechanics.rigid import all_motions
 from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.mechanics.tangent import Parts
 from cgff_cli.solvers.factors import Factor, factory
-from cgff_cli.solvers.preconditioners.base import Solve, Tangent
+from cgff_cli.solvers.preconditioners.base import CAUTION, TENFOLD, Solve, Tangent
 
 INVERSE_ITERATIONS = 30
 
@@ -57,7 +58,7 @@ class SparseTangent(Tangent):
             return None
         factor = None
         while factor is None:
-            sigma *= 10.0
+            sigma *= TENFOLD
             factor = self.definite(state, sigma)
         z = np.cos(np.arange(self.pattern.size) ** 2.0)
         for _ in range(INVERSE_ITERATIONS):
@@ -69,7 +70,7 @@ class SparseTangent(Tangent):
     def doubt(self, state: State) -> float:
         """Return the size below which an eigenvalue of K has no sign."""
         size = float(np.abs(state.X).max()) or 1.0
-        return 1e-14 * float(self.S.max()) + float(np.abs(state.g).max()) / size
+        return CAUTION * EPS * float(self.S.max()) + float(np.abs(state.g).max()) / size
 
     def definite(self, state: State, sigma: float, taut: np.ndarray | None = None) -> Factor | None:
         """Return the factor of K + sigma, or None unless no eigenvalue of K is below -sigma."""
@@ -93,7 +94,7 @@ def _pins(X: np.ndarray) -> list[tuple[int, np.ndarray]]:
     t = away[second] / (np.linalg.norm(away[second]) or 1.0)
     across = np.eye(d) - np.outer(t, t)
     pins = [(first, np.eye(d)), (second, across)]
-    if d == 3:
+    if d > 2:
         off_line = away @ across
         third = int(np.square(off_line).sum(axis=1).argmax())
         normal = np.cross(t, off_line[third])
