@@ -218,18 +218,18 @@ def towers(arguments):
 
 
 def slack(arguments):
-    """Nets of little strain: prestress over EA of 1000, rest lengths 1 % and 5 % off."""
+    """Nets of little strain: prestress over EA, which is 1000; rest lengths 1 % and 5 % off."""
     for side in numbers(arguments.sides or "100,150", int):
         for strain in numbers(arguments.strains):
-            for jitter in (0.01, 0.05):
+            for jitter in numbers(arguments.jitters):
                 given = {"side": side, "prestress": 1e3 * strain, "jitter": jitter, "seed": 1}
                 row(f"net {side} strain {strain:g} jitter {jitter:g}", "net", given, arguments)
 
 
 def snow(arguments):
-    """Nets under snow that leaves cables slack."""
+    """Nets under snow, rest lengths 1 % off: prestress, snow; all but the first leave cables slack."""
     for side in numbers(arguments.sides or "60,100,150", int):
-        for prestress, load in ((10.0, 0.05), (1.0, 0.5), (0.01, 0.01)):
+        for prestress, load in (numbers(pair) for pair in arguments.loads.split()):
             given = {"side": side, "prestress": prestress, "jitter": 0.01, "snow": load, "seed": 1}
             row(f"net {side} prestress {prestress:g} snow {load:g}", "net", given, arguments)
 
@@ -250,6 +250,8 @@ def main():
     parser.add_argument("--before", type=Version)
     parser.add_argument("--sides", default="", help="nodes a side, stages or links, with commas")
     parser.add_argument("--strains", default="1e-3,1e-4,1e-5,1e-6")
+    parser.add_argument("--jitters", default="0.01,0.05")
+    parser.add_argument("--loads", default="10,0.05 1,0.5 0.01,0.01")
     parser.add_argument("--EA", default="1e4,1e5,1e6,1e7,1e8,1e9")
     parser.add_argument("--factors", default="superlu,cholmod")
     parser.add_argument("--preconditioner", default="auto")

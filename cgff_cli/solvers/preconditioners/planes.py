@@ -21,7 +21,8 @@ def local_frames(pattern: GraphPattern, k: np.ndarray, u: np.ndarray) -> np.ndar
     k: (b,), u: (d, b). The normal is the softest direction of A = sum k u u^T over a node's elements and its
     neighbours': rough frames would bend a smooth shift of the whole net. The second tangent lies across those
     elements that run the way of the net's first, the first is conjugate to it in A, and it to the first: each
-    stretches one family of cables alone, however skew the meshes are. Of a chain they are its own directions.
+    stretches hardly more than one family of cables, however skew the meshes are. Of a chain they are along
+    and across.
     """
     d = len(u)
     u = _AXES[:, :d] @ u
