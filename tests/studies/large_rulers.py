@@ -259,6 +259,11 @@ def main():
     parser.add_argument("--limit", type=float, default=20.0)
     arguments = parser.parse_args()
     arguments.now = Version(ROOT)
+    for version in (arguments.now, arguments.before):  # imports, outside the clock
+        for kind in arguments.factors.split(",") if version else ():
+            call, _ = solving(version, "net", {"side": 20, "jitter": 0.05}, arguments.limit, factor=kind)
+            with version:
+                call()
     print(HEAD)
     PARTS[arguments.part](arguments)
 
