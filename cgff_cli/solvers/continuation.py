@@ -38,8 +38,8 @@ from cgff_cli.solvers.saddles import escape
 from cgff_cli.structure import Structure
 
 MOST_STEPS = 30
-"""Mixed Newton steps: none of 70 that arrived took more than 20 (tests/studies/hard_suite.py and slack nets
-of tests/studies/large_rulers.py); 40 and 60 did as well."""
+"""Mixed Newton steps: none that arrived took more than 22; 40 and 60 did as well (tests/studies/hard_suite.py,
+large_rulers.py slack)."""
 
 TO_BOUNDARY = 0.95
 STRIDE = 0.5
@@ -57,27 +57,28 @@ class Mixed:
         self.state = state
         self.cable = (m.least == 0.0) & (m.l0 > 0.0)
         self.unit = np.where(m.l0 > 0.0, m.l0, state.size)
-        self.e, self.w = state.stretch, np.zeros_like(state.l)
-        if self.cable.any():
-            ratio = state.l[self.cable] / m.l0[self.cable]
-            spread = max(float(ratio.std()), abs(float(ratio.mean()) - 1.0), LOOSE)
-            scale = spread * float(m.kl0[self.cable].mean()) / m.k
-            size = np.abs(self.e)
-            larger = 0.5 * (size + np.hypot(size, 2.0 * scale))
-            smaller = scale * scale / larger  # so that e - w = l - l0, and k e w is near one number
-            is_long = self.e > 0.0
-            self.e = np.where(self.cable, np.where(is_long, larger, smaller), self.e)
-            self.w = np.where(self.cable, np.where(is_long, smaller, larger), 0.0)
+        ratio = state.l[self.cable] / m.l0[self.cable]
+        own = self.cable if self.cable.any() else np.ones_like(self.cable)
+        mu = max(float(ratio.std()), abs(float(ratio.mean()) - 1.0)) if self.cable.any() else 0.0
+        force = max(mu, LOOSE) * float(m.kl0[own].mean())
+        if m.F is not None:
+            force = min(force, float(np.abs(m.F).sum()))
+        scale, s = force / m.k, state.stretch
+        e = 0.5 * (s + np.hypot(s, 2.0 * scale))
+        e = np.clip(e, scale / TENFOLD, scale * TENFOLD)
+        free = np.where(m.l0 > 0.0, np.clip(s, -TENFOLD * scale, TENFOLD * scale), s)
+        self.e = np.where(self.cable, e, free)
+        self.w = np.where(self.cable, np.maximum(e - s, scale * scale / e), 0.0)
         self.shift = 0.0
         self.is_minimum = False
 
-    def step(self, M: Tangent) -> bool:
+    def step(self, M: Tangent, first: bool) -> bool:
         """Take one step; False where its matrix has no factor whatever the shift."""
         m, state, e, w, cable = self.mechanics, self.state, self.e, self.w, self.cable
         rho = state.stretch - e + w
         both = np.where(cable, e + w, 1.0)
         D = np.where(cable, e / both, 1.0)
-        solve = self._system(M, D)
+        solve = self._system(M, D, first)
         if solve is None:
             return False
         nu = m.k * e * w
@@ -87,23 +88,23 @@ class Mixed:
         if mean > 0.0:
             a = min(1.0, self._boundary(de, dw))
             left = float((m.k * (e + a * de) * (w + a * dw))[cable].mean()) / mean
-            target = left**3 * mean
+            target = min(max(left**3, LOOSE * LOOSE), TO_BOUNDARY) * mean
             e0 = np.where(cable, (e * rho + target / m.k - e * w - de * dw) / both, rho)
             dX, dV, de, dw = self._direction(solve, D, rho, e0)
         self._move(dX, dV, de, dw, float(np.abs(rho / self.unit).max()))
         return True
 
-    def _system(self, M: Tangent, D: np.ndarray) -> Solve | None:
+    def _system(self, M: Tangent, D: np.ndarray, first: bool) -> Solve | None:
         """Return the solver of this step; a shift, and no negative forces, where it would be indefinite."""
         m, state = self.mechanics, self.state
         q = m.k * self.e / state.l
         l2 = state.l * state.l
-        clipped = self.shift > 0.0
+        clipped = first or self.shift > 0.0
         while self.shift < 1.0:
             own = np.maximum(q, 0.0) if clipped else q
             solve = M.system(Parts(state.X, state.V, (m.k * D - own) / l2, own), self.shift)
             if solve is not None:
-                self.is_minimum = self.shift == 0.0
+                self.is_minimum = self.shift == 0.0 and not (first and bool((self.e < 0.0).any()))
                 return solve
             self.shift, clipped = max(self.shift, LEAST_SHIFT) * TENFOLD, True
         return None
@@ -157,7 +158,7 @@ def mixed(run: Run, M: Tangent) -> np.ndarray | None:
     gauge = run.watch.gauge
     problem = Mixed(run.state)
     was_near = False
-    for _ in range(MOST_STEPS):
+    for count in range(MOST_STEPS):
         balance = gauge.measure(problem.state)
         near = balance.relative <= run.options.tolerance or balance.at_floor
         if near and problem.is_minimum:
@@ -165,7 +166,7 @@ def mixed(run: Run, M: Tangent) -> np.ndarray | None:
         if near and was_near:  # balanced, and held there: a saddle
             return None
         was_near = near
-        if not problem.step(M):
+        if not problem.step(M, count == 0):
             return None
         run.evaluations += 1
     return None
