@@ -38,8 +38,8 @@ from cgff_cli.solvers.saddles import escape
 from cgff_cli.structure import Structure
 
 MOST_STEPS = 30
-"""Mixed Newton steps: none that arrived took more than 22; 40 and 60 did as well (tests/studies/hard_suite.py,
-large_rulers.py slack)."""
+"""Mixed Newton steps: none that arrived took more than 22 (tests/studies/hard_suite.py, large_rulers.py
+slack)."""
 
 TO_BOUNDARY = 0.95
 STRIDE = 0.5
