@@ -19,6 +19,9 @@ from cgff_cli.solvers.objectives import Line, Trial
 TENFOLD = 10.0
 """The one factor by which what is too small grows, and what is too large shrinks."""
 
+HUNDREDFOLD = TENFOLD * TENFOLD
+"""Where a little more is not enough."""
+
 MOST_TRIALS = 60
 """Trials on a line, and unstable equilibria left behind, before it is enough."""
 

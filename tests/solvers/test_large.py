@@ -148,3 +148,14 @@ def test_parts_that_float_apart_are_all_solved(every_scene_is_large):
     )
     found = form_find(both, SolveOptions(factor="superlu"))
     assert found.verdict.converged
+
+
+@pytest.mark.parametrize("factor", FACTORS)
+def test_a_long_tower_far_off_comes_to_rest_whatever_the_factor(factor):
+    # SuperLU factors indefinite matrices too: one that was not looked at led nowhere.
+    exact, far = tower(1000), tower(1000, noise=0.2, seed=1)
+    found = form_find(far, SolveOptions(factor=factor))
+    assert found.verdict.converged
+    assert found.iterations < 60
+    lengths = np.linalg.norm(exact.coordinates[exact.start] - exact.coordinates[exact.end], axis=1)
+    assert found.lengths == pytest.approx(lengths, rel=1e-6)
