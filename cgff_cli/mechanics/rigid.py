@@ -13,27 +13,40 @@ UNTURNED = 1e-12
 """Share of the forces that a rotation may seem to turn by rounding alone."""
 
 
-def rigid_motions(X: np.ndarray, free: np.ndarray) -> np.ndarray:
-    """Return an orthonormal basis (f, r) of the rigid motions that the supports allow.
+class RigidMotions:
+    """The rigid motions that supports allow. X: (d, n) positions; free: (d, n) bool.
 
-    X: (d, n) positions; free: (d, n) bool. Rows are the f free directions. A plane free body has r = 3, a
-    spatial one 6; one whose nodes lie on a line has one rotation less.
+    basis: (f, r) orthonormal, rows are the f free directions. A plane free body has r = 3, a spatial one 6;
+    one whose nodes lie on a line has one rotation less.
     """
-    return (all_motions(X) @ _allowed(X, free))[free.reshape(-1)]
 
+    def __init__(self, X: np.ndarray, free: np.ndarray):
+        self.X, self.free = X, free.reshape(-1)
+        motions, chosen = all_motions(X), None
+        if not self.free.all():
+            held = motions[~self.free]
+            held = np.concatenate((held, np.zeros((motions.shape[1],) * 2)))  # as many rows as motions
+            _, values, rows = np.linalg.svd(held, full_matrices=False)
+            chosen = rows[int((values > FLAT).sum()) :].T
+            motions = (motions @ chosen)[self.free]
+        left, values, rows = np.linalg.svd(motions, full_matrices=False)
+        count = int((values > FLAT).sum())
+        self.basis, own = left[:, :count], rows[:count].T / values[:count]
+        self._own = own if chosen is None else chosen @ own  # of the columns of all_motions
 
-def idle_motions(X: np.ndarray, free: np.ndarray, F: np.ndarray, blur: float) -> np.ndarray:
-    """Return an orthonormal basis (f, r) of the rigid motions that leave a balanced structure balanced.
+    def idle(self, F: np.ndarray, blur: float) -> np.ndarray:
+        """Return an orthonormal basis (f, i) of those that leave a balanced structure balanced.
 
-    F: (d, n) loads and reactions. Moved rigidly, the forces in a body turn with it and those on it do not:
-    K r is the rate at which r turns F, and a motion that turns none of it costs nothing to second order.
-    blur: error of F in directions held at nodes that are free in others.
-    """
-    own = _allowed(X, free)
-    turned = (_rotations(F, _size(X)) @ own[len(F) :])[free.reshape(-1)]
-    _, values, rows = np.linalg.svd(turned, full_matrices=False)
-    error = (UNTURNED * norm(F) + blur * sqrt(F.shape[1])) / _size(X) * norm(own)
-    return (all_motions(X) @ (own @ rows[int((values > error).sum()) :].T))[free.reshape(-1)]
+        F: (d, n) loads and reactions. Moved rigidly, the forces in a body turn with it and those on it do
+        not: K r is the rate at which r turns F, and a motion that turns none of it costs nothing to second
+        order. blur: error of F in directions held at nodes that are free in others.
+        """
+        if not self.basis.size:
+            return self.basis
+        turned = (_rotations(F, _size(self.X)) @ self._own[len(F) :])[self.free]
+        _, values, rows = np.linalg.svd(turned, full_matrices=False)
+        error = (UNTURNED * norm(F) + blur * sqrt(F.shape[1])) / _size(self.X) * norm(self._own)
+        return self.basis @ rows[int((values > error).sum()) :].T
 
 
 def all_motions(X: np.ndarray) -> np.ndarray:
@@ -42,8 +55,9 @@ def all_motions(X: np.ndarray) -> np.ndarray:
     Columns are about as long as each other; they are not orthonormal.
     """
     d, n = X.shape
-    shifts = np.repeat(np.eye(d) * (1.0 / sqrt(n)), n, axis=0)
-    return np.concatenate((shifts, _rotations(_centred(X), _size(X))), axis=1)
+    shifts = np.zeros((d, n, d))
+    np.einsum("ana->an", shifts)[:] = 1.0 / sqrt(n)  # a view of shifts
+    return np.concatenate((shifts.reshape(d * n, d), _rotations(_centred(X), _size(X))), axis=1)
 
 
 def rigid_stiffness(X: np.ndarray) -> np.ndarray:
@@ -52,7 +66,7 @@ def rigid_stiffness(X: np.ndarray) -> np.ndarray:
     Rotations add up to c (I (x) X^T X) less c X_c^T X_a in block (a, c), X about its centroid, c = 1 / |X|^2.
     """
     d, n = X.shape
-    X = X - (np.add.reduce(X, 1) * (1.0 / n))[:, None]
+    X = _centred(X)
     c = 1.0 / (float(np.vdot(X, X)) or 1.0)
     P = np.multiply.outer(X, -c * X)
     P = P.transpose(2, 1, 0, 3).reshape(d, n, d, n)
@@ -72,22 +86,8 @@ def _rotations(vectors: np.ndarray, size: float) -> np.ndarray:
 
 
 def _centred(X: np.ndarray) -> np.ndarray:
-    return X - X.mean(axis=1)[:, None]
+    return X - (np.add.reduce(X, 1) * (1.0 / X.shape[1]))[:, None]
 
 
 def _size(X: np.ndarray) -> float:
     return norm(_centred(X)) or 1.0
-
-
-def _allowed(X: np.ndarray, free: np.ndarray) -> np.ndarray:
-    """Return (c, r) combinations of the c columns of `all_motions`, orthonormal and at rest on supports."""
-    motions = all_motions(X)
-    chosen = np.eye(motions.shape[1])
-    if not free.all():
-        held = motions[~free.reshape(-1)]
-        held = np.concatenate((held, np.zeros_like(chosen)))  # as many rows as motions
-        _, values, rows = np.linalg.svd(held, full_matrices=False)
-        chosen = rows[int((values > FLAT).sum()) :].T
-    _, values, rows = np.linalg.svd((motions @ chosen)[free.reshape(-1)], full_matrices=False)
-    kept = values > FLAT
-    return chosen @ (rows[kept].T / values[kept])

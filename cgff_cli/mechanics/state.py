@@ -12,6 +12,7 @@ from cgff_cli.mechanics.connectivity import connectivity
 from cgff_cli.mechanics.equilibrium import internal_forces
 from cgff_cli.mechanics.frame import Frame, frame_of
 from cgff_cli.mechanics.norms import norm
+from cgff_cli.mechanics.rigid import RigidMotions
 from cgff_cli.structure import Structure
 
 
@@ -149,6 +150,11 @@ class State:
     def residual_gradient(self) -> np.ndarray:
         """(d, m) gradient of eq. (10), H^T eta = K g, eq. (12)."""
         return self.tangent_times(self.g)
+
+    @cached_property
+    def rigid(self) -> RigidMotions:
+        """The rigid motions that supports allow."""
+        return RigidMotions(self.mechanics.everywhere(self.X), self.mechanics.structure.free.T)
 
     @property
     def taut(self) -> np.ndarray:

@@ -8,7 +8,7 @@ step leaves out. It is renewed after short steps and where M is refused.
 import numpy as np
 
 from cgff_cli.mechanics import tangent
-from cgff_cli.mechanics.rigid import rigid_motions, rigid_stiffness
+from cgff_cli.mechanics.rigid import RigidMotions, rigid_stiffness
 from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.mechanics.tangent import Parts
 from cgff_cli.solvers.preconditioners.base import LONG_STEP, Solve, Tangent
@@ -69,7 +69,7 @@ class DenseTangent(Tangent):
         """Return the rigid motions that supports allow, (d m, r), zero in held directions."""
         mechanics = self.mechanics
         free = mechanics.structure.free.T
-        motions = rigid_motions(mechanics.everywhere(X), free)
+        motions = RigidMotions(mechanics.everywhere(X), free).basis
         R = np.zeros((free.size, motions.shape[1]))
         R[free.reshape(-1)] = motions
         R = R.reshape(*free.shape, -1)

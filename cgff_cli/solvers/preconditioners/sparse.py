@@ -10,6 +10,7 @@ import numpy as np
 
 from cgff_cli.mechanics.pattern import TangentPattern
 from cgff_cli.mechanics.rigid import all_motions
+from cgff_cli.mechanics.signs import blurred_at_most
 from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.mechanics.tangent import Parts
 from cgff_cli.solvers.factors import Factor, factory
@@ -66,15 +67,16 @@ class SparseTangent(Tangent):
     def steepest_fall(self, state: State) -> np.ndarray | None:
         """Return a unit direction of negative stiffness, or None: by inverse iteration below zero.
 
-        K has no eigenvalue below -sigma when K + sigma has a Cholesky factor; sigma is raised from doubt.
+        K has no eigenvalue below -sigma when K + sigma has a Cholesky factor; sigma is raised from rounding.
+        Whether the energy falls that way, forces out of balance or not, is seen by going there.
         """
-        sigma = self.doubt(state)
-        if self.definite(state, sigma) is not None:
+        sigma = blurred_at_most(state)
+        if self._definite(state, sigma) is not None:
             return None
         factor = None
         while factor is None:
             sigma *= 10.0
-            factor = self.definite(state, sigma)
+            factor = self._definite(state, sigma)
         z = np.cos(np.arange(self.pattern.size) ** 2.0)
         for _ in range(INVERSE_ITERATIONS):
             z = factor.solve(z / np.linalg.norm(z))
@@ -82,14 +84,9 @@ class SparseTangent(Tangent):
         d = d if self.mechanics.mask is None else d * self.mechanics.mask
         return d / (np.linalg.norm(d) * np.sign(d.flat[np.abs(d).argmax()]))
 
-    def doubt(self, state: State) -> float:
-        """Return the size below which an eigenvalue of K has no sign."""
-        size = float(np.abs(state.X).max()) or 1.0
-        return 1e-14 * float(self.S.max()) + float(np.abs(state.g).max()) / size
-
-    def definite(self, state: State, sigma: float, taut: np.ndarray | None = None) -> Factor | None:
+    def _definite(self, state: State, sigma: float) -> Factor | None:
         """Return the factor of K + sigma, or None unless no eigenvalue of K is below -sigma."""
-        return self._factor(state.parts(None, taut), np.full_like(self.S, sigma), False)
+        return self._factor(state.parts(), np.full_like(self.S, sigma), False)
 
     def _factor(self, parts: Parts, shift: np.ndarray, trusted: bool) -> Factor | None:
         """Return the factor of K of its parts and a shift per node, pinned if afloat, or None."""
