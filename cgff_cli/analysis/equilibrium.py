@@ -6,6 +6,7 @@ import numpy as np
 
 from cgff_cli.analysis.ranks import Ranks, rank_tolerance
 from cgff_cli.analysis.stability import stability
+from cgff_cli.mechanics.state import State
 from cgff_cli.options import SolveOptions
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers.solution import Solution
@@ -61,12 +62,18 @@ def analysed(scene: Scene, solution: Solution, options: SolveOptions) -> dict[st
 
         found |= stability_of_large(state, options.factor, floor, most)
     if converged and found["stable"] is not None and ranks is not None:
-        found["super_stable"] = found["stable"] and _is_prestressed(solution) and ranks.is_super_stable()
-    return _told(scene, solution, found, _reasons(found, converged, ranks is not None))
+        found["super_stable"] = found["stable"] and _carries(state, floor) and ranks.is_super_stable()
+    null = [name for name in (*OF_SHAPES, *OF_EQUILIBRIA) if found.get(name) is None]
+    return _told(scene, solution, found, _reasons(null, found, converged, ranks is not None) if null else {})
 
 
-def _reasons(found: dict[str, Any], converged: bool, has_ranks: bool) -> dict[str, str]:
-    """Return why a field is null, for each that is."""
+def unanalysed(scene: Scene, solution: Solution, why: str) -> dict[str, Any]:
+    """Return the `analysis` object without ranks and stability, and why they are null."""
+    return _told(scene, solution, {}, dict.fromkeys((*OF_SHAPES, *OF_EQUILIBRIA), why))
+
+
+def _reasons(null: list[str], found: dict[str, Any], converged: bool, has_ranks: bool) -> dict[str, str]:
+    """Return why fields are null."""
     left_out = TOO_LARGE.format(MOST)
     reason = dict.fromkeys((*OF_SHAPES, "super_stable"), TOO_SOFT if has_ranks else left_out)
     if not converged:
@@ -75,27 +82,22 @@ def _reasons(found: dict[str, Any], converged: bool, has_ranks: bool) -> dict[st
         reason |= dict.fromkeys(OF_EQUILIBRIA, BLURRED)
     else:
         reason["smallest_stiffness"] = ALL_IDLE if has_ranks else left_out
-    return {name: why for name, why in reason.items() if found.get(name) is None}
+    return {name: reason[name] for name in null}
 
 
-def unanalysed(scene: Scene, solution: Solution, why: str) -> dict[str, Any]:
-    """Return the `analysis` object without ranks and stability, and why they are null."""
-    return _told(scene, solution, {}, dict.fromkeys((*OF_SHAPES, *OF_EQUILIBRIA), why))
-
-
-def _is_prestressed(solution: Solution) -> bool:
+def _carries(state: State, floor: float) -> bool:
     """Return whether any element carries more force than rounding."""
-    return bool(np.abs(solution.state.t).max() > VANISHED * solution.balance.floor)
+    return bool(np.abs(state.t).max() > VANISHED * floor)
 
 
 def _told(scene: Scene, solution: Solution, found: dict[str, Any], reason: dict[str, str]) -> dict[str, Any]:
     """Return the `analysis` object: what was found, and elements by name."""
-    state, structure = solution.state, solution.mechanics.structure
+    state, floor = solution.state, solution.balance.floor
     slack = np.flatnonzero(state.slack)
-    pulled = np.flatnonzero(~structure.tension_only & (state.t > VANISHED * solution.balance.floor))
+    pulled = np.flatnonzero((state.t > VANISHED * floor) & ~state.mechanics.structure.tension_only)
     return {
         **{name: found.get(name) for name in (*OF_SHAPES, *OF_EQUILIBRIA)},
-        "prestressed": _is_prestressed(solution),
+        "prestressed": _carries(state, floor),
         "slack_count": len(slack),
         "slack_cables": labels(scene, slack[:MOST_NAMED]),
         "struts_in_tension_count": len(pulled),

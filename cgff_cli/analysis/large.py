@@ -47,7 +47,8 @@ class LargeSpectrum:
         from scipy.sparse import csc_array
 
         self.state, mechanics = state, state.mechanics
-        self.doubt = blurred_at_most(state) + 4.0 * float(np.abs(state.g).max()) / shortest(state)
+        self.shortest = shortest(state)
+        self.doubt = blurred_at_most(state) + 4.0 * float(np.abs(state.g).max()) / self.shortest
         idle, self.is_sure = idle_motions(state, floor)
         self.softest, (d, m) = float("inf"), state.X.shape
         self.places = mechanics.dofs % m * d + mechanics.dofs // m

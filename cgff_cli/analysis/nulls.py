@@ -25,18 +25,21 @@ APART = 1e-4
 ITERATIONS, GUARDS = 3, 8
 
 
-def rank(U: Any, threshold: float) -> int | None:
+def rank(U: Any, threshold: float, seems_full: bool = False) -> int | None:
     """Return how many singular values of U, dense or sparse, exceed the threshold; None where none can tell.
 
     U^T U cannot tell values below the root of eps from zero. It tells how many are small, and by inverse
-    iteration of which motions, or states; U times those tells how small they are.
+    iteration of which motions, or states; U times those tells how small they are. seems_full: a dense U is
+    tried for full rank, which is quick to see, first.
     """
-    if isinstance(U, np.ndarray):
-        return int((np.linalg.svd(U, compute_uv=False) > threshold).sum()) if U.size else 0
-    M = U if U.shape[1] <= U.shape[0] else U.T.tocsc()
+    M = U if U.shape[1] <= U.shape[0] else U.T
     if 0 in M.shape:
         return 0
     squared = M.T @ M
+    if isinstance(M, np.ndarray):
+        if seems_full and threshold < APART and _all_above(squared, APART**2):
+            return M.shape[1]
+        return int((np.linalg.svd(M, compute_uv=False) > threshold).sum())
     count, doubt = _below(squared, threshold**2)
     if doubt > 0.1 * threshold**2:
         count, doubt = _below(squared, APART**2)
@@ -55,6 +58,17 @@ def zeros(D: Any, threshold: float) -> tuple[int | None, bool | None]:
     if max(unsure, doubt) > 0.1 * threshold:
         return zeros(D.toarray(), threshold) if D.shape[0] <= DENSE else (None, None)
     return upto - negative, negative == 0
+
+
+def _all_above(A: np.ndarray, shift: float) -> bool:
+    """Return whether all eigenvalues of a dense symmetric A, which is spoilt, exceed the shift."""
+    diagonal = A.reshape(-1)[:: len(A) + 1]
+    diagonal -= shift
+    try:
+        np.linalg.cholesky(A)
+    except np.linalg.LinAlgError:
+        return False
+    return True
 
 
 def _below(A: Any, shift: float) -> tuple[int, float]:

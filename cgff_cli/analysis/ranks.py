@@ -12,6 +12,9 @@ from cgff_cli.solvers.stopping import VANISHED
 
 LEAST_TOLERANCE = 1e-9
 
+SPANNED = 1e-9
+"""Relative size below which a shape has no extent in a direction."""
+
 
 def rank_tolerance(relative: float) -> float:
     """Return the relative size below which a singular value is zero.
@@ -56,7 +59,7 @@ class Ranks:
         taut_rank = rank(U if all_taut else U[:, self.taut], self.tolerance)
         whole = taut_rank
         if not all_taut or not (m.all_free or taut_rank == b):  # rows added lower no singular value
-            whole = rank(self.U, self.tolerance)
+            whole = rank(self.U, self.tolerance, seems_full=True)
         rigid, n_D, n_U = self.state.rigid.basis.shape[1], self.nullity_D, _less(b, whole)
         return {
             "nullity_D": n_D,
@@ -76,24 +79,20 @@ class Ranks:
         than the dimension of the affine span of a flat structure. With supports, D acts on the free
         directions and the affine motions are those that the supports allow; loads may resist some of them.
         """
-        state, zero_of, counts = self.state, {}, []
-        affine = _affine_coordinates(state.mechanics.everywhere(state.X).T)
-        for free in state.mechanics.structure.free.T:
-            key = free.tobytes()
-            if key not in zero_of:
-                zero_of[key] = (
-                    (self.nullity_D, self.is_semidefinite, affine.shape[1])
-                    if free.all()
-                    else (
-                        *zeros(self.D[free][:, free], self.threshold),
-                        affine.shape[1] - int(np.linalg.matrix_rank(affine[~free], tol=1e-9)),
-                    )
-                )
-            counts.append((int(free.sum()), *zero_of[key]))
-        sizes, zero, semidefinite, motions = zip(*counts, strict=True)
+        m = self.state.mechanics
+        axes = m.structure.free.T if m.mask is not None else m.structure.free.T[:1]  # or else all are alike
+        zero, semidefinite = zip(*(self._zeros_of(free) for free in axes), strict=True)
         if False in semidefinite:
             return False
-        return None if None in zero else sum(zero) < sum(sizes) and sum(zero) <= sum(motions)
+        if None in zero:
+            return None
+        count = sum(zero)
+        return count < axes.sum() and (count == 0 or count <= _affine_motions(self.state, axes))
+
+    def _zeros_of(self, free: np.ndarray) -> tuple[int | None, bool | None]:
+        """Return how much of D on some nodes, (n,) bool, is zero, and whether none is negative."""
+        whole = self.nullity_D, self.is_semidefinite
+        return whole if free.all() else zeros(self.D[free][:, free], self.threshold)
 
 
 def _less(count: int, rank: int | None) -> int | None:
@@ -114,9 +113,12 @@ def _sparse(state: State, u: np.ndarray) -> tuple[Any, Any]:
     return vstack([rho_t(own) for own in u]).tocsc(), (rho_t(state.q) @ rho_t(np.ones(b)).T).tocsc()
 
 
-def _affine_coordinates(X: np.ndarray) -> np.ndarray:
-    """Return an orthonormal basis (n, r) of the affine functions of the node positions."""
+def _affine_motions(state: State, axes: np.ndarray) -> int:
+    """Return how many affine functions of place are zero where held, summed over axes, (a, n) bool: free."""
+    X = state.mechanics.everywhere(state.X).T
     Y = X - np.add.reduce(X, 0) * (1.0 / len(X))
     spanned = np.concatenate((np.ones((len(X), 1)), Y / (np.abs(Y).max() or 1.0)), axis=1)
     left, values, _ = np.linalg.svd(spanned, full_matrices=False)
-    return left[:, values > 1e-9 * values[0]]
+    affine = left[:, values > SPANNED * values[0]]
+    held = [affine[~free] for free in axes if not free.all()]
+    return affine.shape[1] * len(axes) - sum(int(np.linalg.matrix_rank(h, tol=SPANNED)) for h in held)

@@ -6,7 +6,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from cgff_cli.mechanics.signs import Spectrum, shortest
+from cgff_cli.mechanics.signs import Spectrum
 from cgff_cli.mechanics.state import State
 from cgff_cli.solvers.stopping import VANISHED
 
@@ -22,6 +22,7 @@ class Signs(Protocol):
 
     softest: float
     doubt: float
+    shortest: float
     is_sure: bool
 
     def newton_steps(self) -> list[np.ndarray]:
@@ -71,7 +72,7 @@ def _is_settled(state: State, found: Signs) -> bool:
     """Return whether the exact equilibrium near by has the same idle motions and sign of its softest."""
     if not found.is_sure or not isfinite(found.softest):
         return found.is_sure
-    change = float(state.mechanics.nodal_stiffness.max()) / shortest(state)
+    change = float(state.mechanics.nodal_stiffness.max()) / found.shortest
     return found.softest * found.softest > SETTLED * change * state.norm
 
 

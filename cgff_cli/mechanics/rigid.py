@@ -1,5 +1,6 @@
 """Rigid motions: what moves a structure without deforming it. Directions run axis by axis."""
 
+from functools import cache
 from math import sqrt
 
 import numpy as np
@@ -8,6 +9,9 @@ from cgff_cli.mechanics.norms import norm
 
 FLAT = 1e-10
 """Relative size below which a rotation moves nothing (a collinear structure about its own line)."""
+
+PLAIN = 1e-6
+"""Least eigenvalue of H^T H, H what supports hold of rigid motions, at which they plainly hold them all."""
 
 UNTURNED = 1e-12
 """Share of the forces that a rotation may seem to turn by rounding alone."""
@@ -24,15 +28,14 @@ class RigidMotions:
         self.X, self.free = X, free.reshape(-1)
         motions, chosen = all_motions(X), None
         if not self.free.all():
-            held = motions[~self.free]
-            held = np.concatenate((held, np.zeros((motions.shape[1],) * 2)))  # as many rows as motions
-            _, values, rows = np.linalg.svd(held, full_matrices=False)
-            chosen = rows[int((values > FLAT).sum()) :].T
-            motions = (motions @ chosen)[self.free]
-        left, values, rows = np.linalg.svd(motions, full_matrices=False)
-        count = int((values > FLAT).sum())
-        self.basis, own = left[:, :count], rows[:count].T / values[:count]
-        self._own = own if chosen is None else chosen @ own  # of the columns of all_motions
+            chosen = _at_rest(motions[~self.free])
+            motions = motions[self.free] @ chosen
+        self.basis = motions[:, :0]
+        if motions.size:
+            left, values, rows = np.linalg.svd(motions, full_matrices=False)
+            count = int((values > FLAT).sum())
+            self.basis, own = left[:, :count], rows[:count].T / values[:count]
+            self._own = own if chosen is None else chosen @ own  # of the columns of all_motions
 
     def idle(self, F: np.ndarray, blur: float) -> np.ndarray:
         """Return an orthonormal basis (f, i) of those that leave a balanced structure balanced.
@@ -43,9 +46,10 @@ class RigidMotions:
         """
         if not self.basis.size:
             return self.basis
-        turned = (_rotations(F, _size(self.X)) @ self._own[len(F) :])[self.free]
+        size = norm(_centred(self.X)) or 1.0
+        turned = (_rates(np.concatenate((np.zeros((1, F.shape[1])), F))) @ self._own)[self.free] / size
         _, values, rows = np.linalg.svd(turned, full_matrices=False)
-        error = (UNTURNED * norm(F) + blur * sqrt(F.shape[1])) / _size(self.X) * norm(self._own)
+        error = (UNTURNED * norm(F) + blur * sqrt(F.shape[1])) / size * norm(self._own)
         return self.basis @ rows[int((values > error).sum()) :].T
 
 
@@ -54,10 +58,10 @@ def all_motions(X: np.ndarray) -> np.ndarray:
 
     Columns are about as long as each other; they are not orthonormal.
     """
-    d, n = X.shape
-    shifts = np.zeros((d, n, d))
-    np.einsum("ana->an", shifts)[:] = 1.0 / sqrt(n)  # a view of shifts
-    return np.concatenate((shifts.reshape(d * n, d), _rotations(_centred(X), _size(X))), axis=1)
+    (d, n), about = X.shape, _centred(X)
+    P = np.full((d + 1, n), 1.0 / sqrt(n))
+    P[1:] = about * (1.0 / (norm(about) or 1.0))
+    return _rates(P)
 
 
 def rigid_stiffness(X: np.ndarray) -> np.ndarray:
@@ -75,19 +79,33 @@ def rigid_stiffness(X: np.ndarray) -> np.ndarray:
     return P.reshape(d * n, d * n)
 
 
-def _rotations(vectors: np.ndarray, size: float) -> np.ndarray:
-    """Return (d n, r) rates of (d, n) vectors under unit rotations, over `size`."""
-    d, n = vectors.shape
+def _at_rest(held: np.ndarray) -> np.ndarray:
+    """Return orthonormal combinations (r, c) of motions that rest where held; held: (h, r) rates there."""
+    r = held.shape[1]
+    if np.linalg.eigvalsh(held.T @ held)[0] > PLAIN:
+        return np.zeros((r, 0))
+    _, values, rows = np.linalg.svd(np.concatenate((held, np.zeros((r, r)))), full_matrices=False)
+    return rows[int((values > FLAT).sum()) :].T
+
+
+def _rates(P: np.ndarray) -> np.ndarray:
+    """Return (d n, r) rates at which rigid motions move P, (1 + d, n): a row of units, and vectors."""
+    d, n = len(P) - 1, P.shape[1]
+    G = _generators(d)
+    return (G.reshape(-1, d + 1) @ P).reshape(d, -1, n).swapaxes(1, 2).reshape(d * n, -1)
+
+
+@cache
+def _generators(d: int) -> np.ndarray:
+    """Return (d, r, 1 + d): by which share of P's rows each motion moves each axis."""
     planes = [(i, j) for i in range(d) for j in range(i + 1, d)]
-    rates = np.zeros((d, n, len(planes)))
-    for r, (i, j) in enumerate(planes):
-        rates[i, :, r], rates[j, :, r] = vectors[j], -vectors[i]
-    return rates.reshape(d * n, -1) * (1.0 / size)
+    G = np.zeros((d, d + len(planes), 1 + d))
+    for a in range(d):
+        G[a, a, 0] = 1.0
+    for r, (i, j) in enumerate(planes, start=d):
+        G[i, r, 1 + j], G[j, r, 1 + i] = 1.0, -1.0
+    return G
 
 
 def _centred(X: np.ndarray) -> np.ndarray:
     return X - (np.add.reduce(X, 1) * (1.0 / X.shape[1]))[:, None]
-
-
-def _size(X: np.ndarray) -> float:
-    return norm(_centred(X)) or 1.0

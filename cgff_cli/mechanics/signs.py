@@ -68,7 +68,7 @@ def idle_motions(state: State, floor: float) -> tuple[np.ndarray, bool]:
     It is where rounding (floor: that of reactions), not what is left of the forces, decides which they are.
     """
     m, rigid = state.mechanics, state.rigid
-    if m.all_free and m.F is None:
+    if not rigid.basis.size or (m.all_free and m.F is None):
         return rigid.basis, True
     outer = m.structure.loads.T * (1.0 / m.frame.force)
     if not m.all_free:
@@ -83,6 +83,7 @@ class Spectrum:
     """Stiffnesses apart from idle rigid motions, and what of them is told.
 
     softest : the least eigenvalue of K; infinity where nothing but idle motions can happen
+    shortest : see above
     blurred, doubt : the size that rounding hides, and the size that has no sign
     is_sure        : whether rounding alone, not what is left of the forces, decides which motions are idle
     """
@@ -94,12 +95,11 @@ class Spectrum:
         if mechanics.mask is not None:
             K = K[np.ix_(mechanics.dofs, mechanics.dofs)]
         self.blurred = blurred(K, state)
-        self.doubt = self.blurred + 4.0 * state.norm / shortest(state)
+        self.shortest = shortest(state)
+        self.doubt = self.blurred + 4.0 * state.norm / self.shortest
         R, self.is_sure = idle_motions(state, floor)
-        if R.size:  # (I - R R^T) K (I - R R^T) + 2 |K| R R^T
-            KR = K @ R
-            half = (KR - R @ (0.5 * (R.T @ KR) + norm(K) * np.eye(R.shape[1]))) @ R.T
-            K -= half + half.T
+        if R.size:  # K R is no more than what is left of the forces: R above all else leaves the rest alone
+            K += (2.0 * norm(K) * R) @ R.T
         self.K, self.count = K, len(K) - R.shape[1]
         self.softest = float(np.linalg.eigvalsh(K)[0]) if self.count else float("inf")
 

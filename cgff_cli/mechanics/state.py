@@ -172,7 +172,7 @@ class State:
         reach = float(np.abs(self.mechanics.everywhere(self.X)).max())
         return reach + float(self.l.max()) + float(np.abs(self.e).max())
 
-    @property
+    @cached_property
     def rounding(self) -> np.ndarray:
         """(b,) how far rounding blurs each extension: by eps of its ends' coordinates, of l and of e."""
         reach = np.abs(self.mechanics.everywhere(self.X)).max(axis=0)
