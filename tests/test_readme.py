@@ -14,7 +14,7 @@ import pytest
 
 import cgff_cli
 from cgff_cli.analysis.equilibrium import MOST
-from cgff_cli.analysis.nulls import MOST_SOFT
+from cgff_cli.analysis.nulls import DENSE, MOST_SOFT
 from cgff_cli.cli import COMMANDS, main
 from cgff_cli.cli.common import ExitCode
 from cgff_cli.cli.comparing import RIVALS
@@ -217,7 +217,7 @@ def test_the_fields_of_the_analysis_are_those_of_the_program():
     assert {name for row in rows("Analysis") for name in code_in(row[0])} == set(result.analysis)
     assert f"more than {MOST} free directions" in TEXT
     assert f"more than {DENSE_ENTRIES // 1000} 000 entries" in TEXT
-    assert f"more than {MOST_SOFT} of them" in TEXT
+    assert f"more than {MOST_SOFT} of them, and rows and columns are more than {DENSE}" in TEXT
 
 
 def test_the_methods_of_a_comparison_are_those_of_the_program():

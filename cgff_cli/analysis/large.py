@@ -1,5 +1,6 @@
 """Stability of large scenes: by Lanczos' method on the inverse of K, or by what cables alone cannot do."""
 
+from collections.abc import Callable
 from functools import partial
 from math import sqrt
 from typing import Any
@@ -14,6 +15,8 @@ from cgff_cli.mechanics.state import State
 from cgff_cli.solvers.factors import Factor, factory
 
 MOST_STEPS = 200
+
+Operator = Callable[[np.ndarray], np.ndarray]
 
 CLOSE = 1e-8
 """Residual of the softest motion, relative, at which Lanczos' method has found it."""
@@ -58,7 +61,8 @@ class LargeSpectrum:
         extra, held = np.zeros((m, d, d)), float(mechanics.scale_stiffness.mean())
         data = pattern.fill(*state.parts(None, taut)[1:], extra, held)
         self.K = pattern, data, kind
-        self.shift, self.factor = _shifted(*self.K, BLUR * float(mechanics.scale_stiffness.max()))
+        stiffest = max(float(mechanics.scale_stiffness.max()), float(np.abs(data).max()))
+        self.shift, self.factor = _shifted(*self.K, BLUR * stiffest)
         if idle.shape[1] < len(self.places):
             start = np.zeros(m * d)
             start[self.places] = np.cos(np.arange(len(self.places)) ** 2.0)
@@ -96,7 +100,7 @@ def _shifted(pattern: TangentPattern, data: np.ndarray, kind: str, shift: float)
         shift *= 10.0
 
 
-def _largest(inverse, start: np.ndarray, count: int) -> tuple[np.ndarray, bool]:  # type: ignore[no-untyped-def]
+def _largest(inverse: Operator, start: np.ndarray, count: int) -> tuple[np.ndarray, bool]:
     """Return the unit eigenvector of a symmetric operator's largest value, and whether it was found.
 
     Lanczos' method with all vectors kept and orthogonalised twice. count: dimension of where it acts.

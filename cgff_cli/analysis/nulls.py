@@ -10,11 +10,11 @@ import numpy as np
 
 from cgff_cli.mechanics.elements import EPS
 
-MOST_SOFT = 128
-"""Motions, or states, told from null ones one by one: a few seconds' at 30 000 free directions."""
+MOST_SOFT = 500
+"""Soft motions, or states, that are told from null ones: under a second (tests/studies/analysis_cost.py)."""
 
 DENSE = 1500
-"""Rows and columns up to which a matrix with more of them is decomposed after all: about a second."""
+"""Rows or columns up to which a matrix with more of them is decomposed after all: about a second."""
 
 SQUARED = 1e-12
 """Shift that makes U^T U, whose columns are unit vectors, definite: its rounding error, with room."""
@@ -44,7 +44,7 @@ def rank(U: Any, threshold: float, seems_full: bool = False) -> int | None:
     if doubt > 0.1 * threshold**2:
         count, doubt = _below(squared, APART**2)
         if doubt > 0.1 * APART**2 or count > MOST_SOFT:
-            return rank(U.toarray(), threshold) if max(M.shape) <= DENSE else None
+            return rank(U.toarray(), threshold) if M.shape[1] <= DENSE else None
         count = int((_softest(M, squared, count) <= threshold).sum())
     return M.shape[1] - count
 

@@ -87,7 +87,7 @@ class Ranks:
         if None in zero:
             return None
         count = sum(zero)
-        return count < axes.sum() and (count == 0 or count <= _affine_motions(self.state, axes))
+        return count < int(axes.sum()) and (count == 0 or count <= _affine_motions(self.state, axes))
 
     def _zeros_of(self, free: np.ndarray) -> tuple[int | None, bool | None]:
         """Return how much of D on some nodes, (n,) bool, is zero, and whether none is negative."""

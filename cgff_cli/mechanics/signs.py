@@ -1,7 +1,8 @@
 """The signs of the tangent stiffness: its least value apart from idle motions, and where it falls most.
 
-Dense; for small structures. Positive and negative mean beyond doubt: rounding blurs K, and a force density
-is known no better than the residual and its element's own rounding allow, over its length.
+Dense, for small structures; of large ones only what blurs them (see analysis.large). Positive and negative
+mean beyond doubt: rounding blurs K, and a force density is known no better than the residual and its
+element's own rounding allow, over its length.
 """
 
 from math import sqrt
