@@ -68,6 +68,7 @@ class SolveOptions:
         return asdict(self)
 
 
+DEFAULTS = SolveOptions()
 OPTIONS: dict[str, Field[Any]] = {option.name: option for option in fields(SolveOptions)}
 
 

@@ -5,7 +5,7 @@ from time import perf_counter
 from typing import Any
 
 from cgff_cli.analysis.equilibrium import INTERRUPTED, analysed, unanalysed
-from cgff_cli.options import SolveOptions
+from cgff_cli.options import DEFAULTS, SolveOptions
 from cgff_cli.report.result import Result
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers import cgff, table1
@@ -26,20 +26,20 @@ def solve(scene: Scene | str, *, observer: Observer | None = None, **changes: ob
         from cgff_cli.scene.read import load
 
         scene = load(scene)
-    options = SolveOptions().merged({**scene.solver, **changes})
+    options = DEFAULTS.merged({**scene.solver, **changes})
     structure = from_scene(scene)
     start = perf_counter()
     solution = METHODS[options.method](structure, options, observer)
     seconds = perf_counter() - start
-    analysis, cut_short = _analysed(scene, solution, options)
-    return Result(scene, structure, options, solution, analysis, seconds, cut_short)
+    found = None if options.analysis == "never" else _analysed(scene, solution, options)
+    return Result(scene, structure, options, solution, seconds, *(found or (None,)))
 
 
 def analysed_in_full(result: Result) -> Result:
     """Return a result again, with the ranks and eigenvalues that a large scene's does without."""
     options = result.solve_options.merged({"analysis": "always"})
     analysis, cut_short = _analysed(result.source, result.solution, options)
-    return replace(result, solve_options=options, analysis=analysis, analysis_interrupted=cut_short)
+    return replace(result, solve_options=options, found=analysis, analysis_interrupted=cut_short)
 
 
 def _analysed(scene: Scene, solution: Solution, options: SolveOptions) -> tuple[dict[str, Any], bool]:

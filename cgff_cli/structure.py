@@ -30,10 +30,11 @@ class Structure:
 def from_scene(scene: Scene) -> Structure:
     """Return the arrays of a scene; both elastic laws, eq. (2) and Hooke's, become one stiffness."""
     n, d = scene.coordinates.shape
-    pairs = np.concatenate([group.pairs for group in scene.groups])
-    EA = np.concatenate([group.EA for group in scene.groups])
-    rest_lengths = np.concatenate([group.rest_length for group in scene.groups])
-    cables = [np.full(len(group.EA), group.kind == "cable") for group in scene.groups]
+    groups = scene.groups
+    pairs = np.concatenate([group.pairs for group in groups]).T
+    EA = np.concatenate([group.EA for group in groups])
+    rest_lengths = np.concatenate([group.rest_length for group in groups])
+    cables = np.repeat([group.kind == "cable" for group in groups], [len(group.EA) for group in groups])
     free = np.ones((n, d), dtype=bool)
     for row, axes in scene.supports.items():
         free[row, [AXES.index(axis) for axis in axes]] = False
@@ -42,11 +43,11 @@ def from_scene(scene: Scene) -> Structure:
         loads[row] = load
     return Structure(
         coordinates=np.array(scene.coordinates, dtype=float),
-        start=np.ascontiguousarray(pairs[:, 0]),
-        end=np.ascontiguousarray(pairs[:, 1]),
+        start=np.ascontiguousarray(pairs[0]),
+        end=np.ascontiguousarray(pairs[1]),
         stiffness=EA if scene.law == "paper" else EA / rest_lengths,
         rest_lengths=rest_lengths,
-        tension_only=np.concatenate(cables),
+        tension_only=cables,
         free=free,
         loads=loads,
     )

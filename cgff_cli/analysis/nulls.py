@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from cgff_cli.mechanics.elements import EPS
+from cgff_cli.mechanics.signs import is_positive
 
 MOST_SOFT = 500
 """Soft motions, or states, that are told from null ones: under a second (tests/studies/analysis_cost.py)."""
@@ -37,7 +38,7 @@ def rank(U: Any, threshold: float, seems_full: bool = False) -> int | None:
         return 0
     squared = M.T @ M
     if isinstance(M, np.ndarray):
-        if seems_full and threshold < APART and _all_above(squared, APART**2):
+        if seems_full and threshold < APART and is_positive(squared, -(APART**2)):
             return M.shape[1]
         return int((np.linalg.svd(M, compute_uv=False) > threshold).sum())
     count, doubt = _below(squared, threshold**2)
@@ -58,17 +59,6 @@ def zeros(D: Any, threshold: float) -> tuple[int | None, bool | None]:
     if max(unsure, doubt) > 0.1 * threshold:
         return zeros(D.toarray(), threshold) if D.shape[0] <= DENSE else (None, None)
     return upto - negative, negative == 0
-
-
-def _all_above(A: np.ndarray, shift: float) -> bool:
-    """Return whether all eigenvalues of a dense symmetric A, which is spoilt, exceed the shift."""
-    diagonal = A.reshape(-1)[:: len(A) + 1]
-    diagonal -= shift
-    try:
-        np.linalg.cholesky(A)
-    except np.linalg.LinAlgError:
-        return False
-    return True
 
 
 def _below(A: Any, shift: float) -> tuple[int, float]:

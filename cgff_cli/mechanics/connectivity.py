@@ -23,53 +23,86 @@ def dense(start: np.ndarray, end: np.ndarray, node_count: int) -> np.ndarray:
     return rho_t
 
 
-class DenseConnectivity:
+class _Graph:
+    """Which nodes elements join; start, end: (b,) node rows, X: (d, n), moves: (n,) bool or None for all."""
+
+    def __init__(self, start: np.ndarray, end: np.ndarray, X: np.ndarray, moves: np.ndarray | None):
+        self.ends, self.moves, (self.d, self.n) = (start, end), moves, X.shape
+        self.fixed: np.ndarray | None = None
+
+    @cached_property
+    def places(self) -> np.ndarray:
+        """(4 d d b,) where d x d blocks go in a flat matrix over the directions of nodes that move.
+
+        In order: at either end of an element, from start to end, and back; what a node that does not move
+        would have goes behind the last entry.
+        """
+        moves = np.ones(self.n, dtype=bool) if self.moves is None else self.moves
+        m = int(moves.sum())
+        row, column = (axes[:, None] * m for axes in np.divmod(np.arange(self.d * self.d), self.d))
+        nodes, size = np.cumsum(moves) - 1, self.d * m
+        start, end = self.ends
+        pairs = ((start, start), (end, end), (start, end), (end, start))
+        found = [
+            np.where(moves[i] & moves[j], (row + nodes[i]) * size + column + nodes[j], size * size)
+            for i, j in pairs
+        ]
+        return np.concatenate(found, axis=None)
+
+
+class DenseConnectivity(_Graph):
     """rho over the nodes that move; rho_t: (m, b), fixed: (d, b) what the others add to the vectors, or 0."""
 
     is_small: Literal[True] = True
 
     def __init__(self, start: np.ndarray, end: np.ndarray, X: np.ndarray, moves: np.ndarray | None):
-        self.rho_t = dense(start, end, X.shape[1])
-        self.fixed: np.ndarray | None = None
+        super().__init__(start, end, X, moves)
+        self.rho_t = dense(start, end, self.n)
         if moves is not None:
             self.fixed = X[:, ~moves] @ self.rho_t[~moves]
             self.rho_t = self.rho_t[moves]
         self.rho = np.ascontiguousarray(self.rho_t.T)
 
     @cached_property
-    def pairs(self) -> np.ndarray:
-        """(b, m, m) rho^T rho of every element by itself."""
-        return self.rho[:, :, None] * self.rho[:, None, :]
+    def pairs(self) -> np.ndarray | None:
+        """(b, m m) rho^T rho of every element by itself; None where that is more than a dense rho may be."""
+        b, m = self.rho.shape
+        if b * m * m > DENSE_ENTRIES:
+            return None
+        return (self.rho[:, :, None] * self.rho[:, None, :]).reshape(b, m * m)
+
+    @cached_property
+    def blockwise(self) -> np.ndarray:
+        """(d m, d m) where the entries of a matrix over directions stand in its (d d, m m) blocks."""
+        d, m = self.d, len(self.rho_t)
+        return np.arange(d * d * m * m).reshape(d, d, m, m).swapaxes(1, 2).reshape(d * m, d * m)
 
     def differences(self, X: np.ndarray) -> np.ndarray:
         """Return rho X: (d, ..., b) begin minus end of (d, ..., m) positions of the nodes that move."""
-        return X @ self.rho_t
+        return X.dot(self.rho_t)
 
     def gather(self, V: np.ndarray) -> np.ndarray:
         """Return rho^T V: (d, ..., m) sums over each node's elements of (d, ..., b) element vectors."""
-        return V @ self.rho
+        return V.dot(self.rho)
 
 
-class SparseConnectivity:
+class SparseConnectivity(_Graph):
     """The same for large structures; one axis at a time, so that each is contiguous."""
 
     is_small: Literal[False] = False
+    pairs: None = None
 
     def __init__(self, start: np.ndarray, end: np.ndarray, X: np.ndarray, moves: np.ndarray | None):
         from scipy.sparse import csr_array
 
+        super().__init__(start, end, X, moves)
         b = len(start)
         ends = np.stack((start, end), axis=1).reshape(-1)
         rho = csr_array((np.tile((1.0, -1.0), b), ends, 2 * np.arange(b + 1)), shape=(b, X.shape[1]))
-        self.fixed: np.ndarray | None = None
         if moves is not None:
             self.fixed = np.stack([rho @ x for x in np.where(moves, 0.0, X)])
             rho = rho[:, moves]
         self._rho, self._rho_t = rho, rho.T.tocsr()
-
-    def dense(self) -> np.ndarray:
-        """Return rho^T as a dense (m, b) matrix, which may be asked for though it is dear."""
-        return np.asarray(self._rho_t.toarray())
 
     def differences(self, X: np.ndarray) -> np.ndarray:
         """Return rho X, (d, b), of (d, m) positions of the nodes that move."""

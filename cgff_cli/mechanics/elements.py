@@ -25,7 +25,7 @@ def least_extensions(tension_only: np.ndarray) -> np.ndarray:
 
 def lengths(V: np.ndarray) -> np.ndarray:
     """Return the (..., b) lengths of (d, ..., b) element vectors, eq. (7); TINY where there is none."""
-    return np.sqrt(np.add.reduce(V * V, 0) + _TINY_SQUARED)
+    return np.sqrt(np.add.reduce(V * V, initial=_TINY_SQUARED))
 
 
 def extensions(stretch: np.ndarray, least: np.ndarray) -> np.ndarray:

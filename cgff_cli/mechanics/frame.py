@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cgff_cli.mechanics.norms import largest
 from cgff_cli.structure import Structure
 
 
@@ -38,7 +39,7 @@ def frame_of(structure: Structure) -> Frame:
     """Return the frame that suits a structure."""
     X = structure.coordinates
     centre = np.add.reduce(X, 0) / len(X)
-    size = max(float(np.abs(X - centre).max()), float(structure.rest_lengths.max()))
+    size = max(largest(X - centre), float(structure.rest_lengths.max()))
     return Frame(centre, power_of_two(size), power_of_two(float(structure.stiffness.max())))
 
 

@@ -64,21 +64,6 @@ def all_motions(X: np.ndarray) -> np.ndarray:
     return _rates(P)
 
 
-def rigid_stiffness(X: np.ndarray) -> np.ndarray:
-    """Return R R^T, (d n, d n), of the columns R of `all_motions`, without forming them.
-
-    Rotations add up to c (I (x) X^T X) less c X_c^T X_a in block (a, c), X about its centroid, c = 1 / |X|^2.
-    """
-    d, n = X.shape
-    X = _centred(X)
-    c = 1.0 / (float(np.vdot(X, X)) or 1.0)
-    P = np.multiply.outer(X, -c * X)
-    P = P.transpose(2, 1, 0, 3).reshape(d, n, d, n)
-    on_each_axis = np.einsum("aiaj->aij", P)  # a view of P
-    on_each_axis += X.T @ (c * X) + 1.0 / n
-    return P.reshape(d * n, d * n)
-
-
 def _at_rest(held: np.ndarray) -> np.ndarray:
     """Return orthonormal combinations (r, c) of motions that rest where held; held: (h, r) rates there."""
     r = held.shape[1]

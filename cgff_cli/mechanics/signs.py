@@ -40,6 +40,16 @@ def shortest(state: State) -> float:
     return float(state.l.min(initial=float("inf"), where=sure))
 
 
+def is_positive(K: np.ndarray, shift: float | np.ndarray = 0.0) -> bool:
+    """Return whether K and a shift of its diagonal, which it keeps, has a Cholesky factor."""
+    K.reshape(-1)[:: len(K) + 1] += shift
+    try:
+        np.linalg.cholesky(K)
+    except np.linalg.LinAlgError:
+        return False
+    return True
+
+
 def steepest_fall(state: State) -> np.ndarray | None:
     """Return the unit (d, m) direction of most negative stiffness, or None if there is none.
 
@@ -47,17 +57,10 @@ def steepest_fall(state: State) -> np.ndarray | None:
     balance blur counts for negative: whether the energy falls that way is seen by going there.
     """
     K = state.dense_tangent()
-    unsure = blurred(K, state)
-    diagonal = K.reshape(-1)[:: len(K) + 1]
-    diagonal += unsure
-    try:
-        np.linalg.cholesky(K)
-    except np.linalg.LinAlgError:
-        diagonal -= unsure
-    else:
+    if is_positive(K, BLUR * sqrt(len(K)) * norm(K)):
         return None
     values, vectors = np.linalg.eigh(K)
-    if values[0] >= -unsure:
+    if values[0] >= -blurred(K, state):
         return None
     d = vectors[:, 0]
     return (d * np.sign(d[np.abs(d).argmax()])).reshape(state.X.shape)

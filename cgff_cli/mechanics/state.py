@@ -11,7 +11,7 @@ from cgff_cli.mechanics import elements, tangent
 from cgff_cli.mechanics.connectivity import connectivity
 from cgff_cli.mechanics.equilibrium import internal_forces
 from cgff_cli.mechanics.frame import Frame, frame_of
-from cgff_cli.mechanics.norms import norm
+from cgff_cli.mechanics.norms import largest, norm
 from cgff_cli.mechanics.rigid import RigidMotions
 from cgff_cli.structure import Structure
 
@@ -51,7 +51,7 @@ class Mechanics:
         self.start = self._moving(X.T)
         self.connectivity = connectivity(structure.start, structure.end, X, self.moves)
         self.fixed = self.connectivity.fixed
-        self.largest_load = 0.0 if self.F is None else float(np.abs(self.F).max(initial=0.0))
+        self.largest_load = 0.0 if self.F is None else largest(self.F)
 
     def _moving(self, vectors: np.ndarray) -> np.ndarray:
         """Return what (n, d) nodal vectors are at the nodes that move, (d, m)."""
@@ -111,7 +111,8 @@ class State:
     """Columns at positions X (d, m).
 
     V (d, b) element vectors; l, stretch, e, t, q (b,) lengths, l - l0, extensions, forces, force densities;
-    g (d, m) gradient of the energy, -eta of eq. (9) in free directions, 0 in held ones, and its norm.
+    g (d, m) gradient of the energy, -eta of eq. (9) in free directions, 0 in held ones.
+    norm, reach: Euclidean norms of g and X.
     """
 
     def __init__(self, mechanics: Mechanics, X: np.ndarray):
@@ -132,7 +133,7 @@ class State:
         if mechanics.F is not None:
             g -= mechanics.F
         self.g = g
-        self.norm = norm(g)
+        self.norm, self.reach = norm(g), norm(X)
 
     @property
     def energy(self) -> float:
@@ -142,8 +143,7 @@ class State:
 
     def rise(self, old: "State") -> float:
         """Return how much more energy this state has, summed element by element: no totals cancel."""
-        e, F = self.e, self.mechanics.F
-        elastic = 0.5 * float((self.mechanics.k * (e - old.e)) @ (e + old.e))
+        F, elastic = self.mechanics.F, 0.5 * float((self.e - old.e).dot(self.t + old.t))
         return elastic if F is None else elastic - float(np.vdot(F, self.X - old.X))
 
     @cached_property
@@ -169,8 +169,7 @@ class State:
     @property
     def size(self) -> float:
         """Largest coordinate, length and extension added up: what rounding is relative to."""
-        reach = float(np.abs(self.mechanics.everywhere(self.X)).max())
-        return reach + float(self.l.max()) + float(np.abs(self.e).max())
+        return largest(self.mechanics.everywhere(self.X)) + largest(self.l) + largest(self.e)
 
     @cached_property
     def rounding(self) -> np.ndarray:
@@ -180,23 +179,21 @@ class State:
         far = np.maximum(reach[structure.start], reach[structure.end])
         return elements.EPS * (far + self.l + np.abs(self.e))
 
-    def axial_weights(self, q: np.ndarray | None = None, taut: np.ndarray | None = None) -> np.ndarray:
-        """Return (b,) w = (k - q) / l^2, k = 0 where not taut: what K holds of V V^T; see mechanics.tangent.
+    def parts(self, q: np.ndarray | None = None, taut: np.ndarray | None = None) -> tangent.Parts:
+        """Return what K is the sum of. q: (b,) nonnegative force densities in place of the state's own.
 
-        q: nonnegative force densities in place of the state's own. Where taut, k - q = k l0 / l.
+        w = (k - q) / l^2 with k = 0 where not taut, (b,) bool; where taut, k - q = k l0 / l.
         """
         l2 = self.l * self.l
         w = self.mechanics.kl0 / (l2 * self.l)
         w *= self.taut if taut is None else taut
-        return w if q is None else w + (self.q - q) / l2
-
-    def parts(self, q: np.ndarray | None = None, taut: np.ndarray | None = None) -> tangent.Parts:
-        """Return what K is the sum of. q: (b,) nonnegative force densities in place of the state's own."""
-        return tangent.Parts(self.X, self.V, self.axial_weights(q, taut), self.q if q is None else q)
+        if q is None:
+            return tangent.Parts(self.X, self.V, w, self.q)
+        return tangent.Parts(self.X, self.V, w + (self.q - q) / l2, q)
 
     def tangent_times(self, Y: np.ndarray) -> np.ndarray:
         """Return K Y, (d, m), without forming K."""
-        KY = tangent.times(self.mechanics.connectivity, self.V, self.axial_weights(), self.q, Y)
+        KY = tangent.times(self.mechanics.connectivity, self.parts(), Y)
         return KY if self.mechanics.mask is None else KY * self.mechanics.mask
 
     def dense_tangent(self, q: np.ndarray | None = None, taut: np.ndarray | None = None) -> np.ndarray:
@@ -204,11 +201,7 @@ class State:
 
         q: (b,) nonnegative force densities to use in place of the state's own; taut: (b,) bool, likewise.
         """
-        _, V, w, own = self.parts(q, taut)
-        K = tangent.dense(self.mechanics.connectivity, V, w, own)
-        if self.mechanics.mask is not None:
-            tangent.hold(K, self.mechanics.mask)
-        return K
+        return tangent.dense(self.mechanics.connectivity, self.parts(q, taut), self.mechanics.mask)
 
     def pull(self) -> np.ndarray:
         """Return U q, (n, d), at all nodes, those that do not move included, in the frame's units."""

@@ -5,15 +5,15 @@ With w = (k - q) / l^2 that is w V V^T + q I, and with rho^T rho of every elemen
 
     K_aicj = sum over e of  (w V_a V_c + q delta_ac)  rho_ei rho_ej
 
-is one product of matrices.
+is one product of matrices; where rho^T rho is too much to write out, blocks go to their places one by one.
 """
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
 from cgff_cli.mechanics.connectivity import Connectivity
-from cgff_cli.mechanics.equilibrium import equilibrium_matrix, force_density_matrix
 
 
 class Parts(NamedTuple):
@@ -25,44 +25,43 @@ class Parts(NamedTuple):
     q: np.ndarray
 
 
-def times(
-    connectivity: Connectivity, V: np.ndarray, w: np.ndarray, q: np.ndarray, Y: np.ndarray
-) -> np.ndarray:
-    """Return K Y, (d, m), without forming K, eq. (12). V: (d, b), w and q: (b,), Y: (d, m)."""
+def times(connectivity: Connectivity, parts: Parts, Y: np.ndarray) -> np.ndarray:
+    """Return K Y, (d, m), without forming K, eq. (12). Y: (d, m)."""
+    _, V, w, q = parts
     Z = connectivity.differences(Y)
     axial = w * np.einsum("ab,ab->b", V, Z)
     return connectivity.gather(axial * V + q * Z)
 
 
 def blocks(V: np.ndarray, w: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Return (d, d, ..., b) blocks w V V^T + q I of elements. V: (d, ..., b), w and q: (..., b)."""
-    B = (w * V)[:, None] * V
-    B.reshape(-1, *q.shape)[:: len(V) + 1] += q
+    """Return (d d, ..., b) blocks w V V^T + q I of elements. V: (d, ..., b), w and q: (..., b)."""
+    rows, columns = _axes(len(V))
+    B = (w * V).take(rows, 0)
+    B *= V.take(columns, 0)
+    B[:: len(V) + 1] += q
     return B
 
 
-def hold(K: np.ndarray, mask: np.ndarray) -> None:
-    """Leave K, (d n, d n), nothing but 1 on the diagonal in held directions, where mask (d, n) is 0."""
-    free = mask.reshape(-1)
-    K *= free[:, None] * free
-    diagonal = K.reshape(-1)[:: len(K) + 1]
-    diagonal += 1.0 - free
+@cache
+def _axes(d: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the row and the column of every place in a d x d block."""
+    rows, columns = np.divmod(np.arange(d * d), d)
+    return rows, columns
 
 
-def dense(connectivity: Connectivity, V: np.ndarray, w: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Return K, (d n, d n), axis by axis, eq. (11). V: (d, b), w and q: (b,), w >= 0 in a large structure."""
-    if connectivity.is_small:
-        pairs, (d, b), n = connectivity.pairs, V.shape, len(connectivity.rho_t)
-        K = blocks(V, w, q).reshape(d * d, b) @ pairs.reshape(b, n * n)
-        return K.reshape(d, d, n, n).swapaxes(1, 2).reshape(d * n, d * n)
-    return _by_two_products(connectivity.dense(), V, w, q)
+def dense(connectivity: Connectivity, parts: Parts, mask: np.ndarray | None) -> np.ndarray:
+    """Return K, (d m, d m), axis by axis, eq. (11).
 
-
-def _by_two_products(rho_t: np.ndarray, V: np.ndarray, w: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Return K = U diag(w) U^T + I (x) D where rho^T rho of every element is too much to write out."""
-    d, n = len(V), len(rho_t)
-    A = equilibrium_matrix(rho_t, V * np.sqrt(w))
-    K = A @ A.T
-    on_each_axis = np.einsum("aiaj->aij", K.reshape(d, n, d, n))  # a view of K
-    on_each_axis += force_density_matrix(rho_t, q)
+    mask: (d, m) 1 in free directions, 0 in held ones, which keep only 1 on the diagonal; None for all free.
+    """
+    B, size = blocks(*parts[1:]), parts.X.size
+    if connectivity.is_small and connectivity.pairs is not None:
+        K = B.dot(connectivity.pairs).take(connectivity.blockwise)
+    else:
+        flat = np.bincount(connectivity.places, np.concatenate((B, B, -B, -B), axis=None), size * size + 1)
+        K = flat[:-1].reshape(size, size)
+    if mask is not None:
+        free = mask.reshape(-1)
+        K *= free[:, None] * free
+        K.reshape(-1)[:: size + 1] += 1.0 - free
     return K

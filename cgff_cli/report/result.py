@@ -10,7 +10,7 @@ import numpy as np
 from cgff_cli import TOOL
 from cgff_cli.analysis import measures
 from cgff_cli.analysis.cautions import Found, cautions
-from cgff_cli.analysis.equilibrium import stability_warnings
+from cgff_cli.analysis.equilibrium import analysed, stability_warnings
 from cgff_cli.options import SolveOptions
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers.solution import Solution
@@ -28,8 +28,8 @@ class Result:
     structure: Structure
     solve_options: SolveOptions
     solution: Solution
-    analysis: dict[str, Any]
     seconds: float
+    found: dict[str, Any] | None = None
     analysis_interrupted: bool = False
     schema: str = field(default=SCHEMA, init=False)
 
@@ -42,6 +42,11 @@ class Result:
     def scene(self) -> dict[str, Any]:
         """Which scene was solved: name, path, law, dimension."""
         return self.source.summary
+
+    @cached_property
+    def analysis(self) -> dict[str, Any]:
+        """What kind of equilibrium it is."""
+        return self.found or analysed(self.source, self.solution, self.solve_options)
 
     @property
     def options(self) -> dict[str, Any]:
@@ -66,8 +71,7 @@ class Result:
     @property
     def message(self) -> str:
         """One sentence for a person."""
-        message = self.solution.message
-        return f"{message}; its analysis was interrupted" if self.analysis_interrupted else message
+        return self.solution.message + ("; its analysis was interrupted" if self.analysis_interrupted else "")
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:

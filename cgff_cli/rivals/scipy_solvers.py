@@ -137,7 +137,7 @@ class System(Unknowns):
         state, mechanics = self._at(x), self.mechanics
         pattern = TangentPattern(mechanics)
         extra = np.zeros((pattern.graph.size, pattern.d, pattern.d))
-        data = pattern.fill(state.V, state.axial_weights(), state.q, extra, 1.0)
+        data = pattern.fill(*state.parts()[1:], extra, 1.0)
         K = csc_array((data, pattern.indices, pattern.indptr), shape=(pattern.size, pattern.size))
         by_node = np.arange(pattern.size).reshape(-1, pattern.d).T.reshape(-1)[mechanics.dofs]
         return K.tocsr()[by_node][:, by_node]

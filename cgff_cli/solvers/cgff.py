@@ -27,7 +27,7 @@ def form_find(structure: Structure, options: SolveOptions, observer: Observer | 
                 history.add(iterate)
         except KeyboardInterrupt:
             run.verdict = Verdict.INTERRUPTED
-    if not history.rows:  # interrupted on the way to a better start
+    if not len(history):  # interrupted on the way to a better start
         history.add(run.iterate())
     return Solution(
         run.state,

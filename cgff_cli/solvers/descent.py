@@ -6,30 +6,29 @@ X_{k+1} = X_k + alpha_k d_k          alpha_k: strong Wolfe
 """
 
 from collections.abc import Callable, Iterator
+from functools import partial
 
 import numpy as np
 
 from cgff_cli.mechanics.elements import EPS
-from cgff_cli.mechanics.norms import norm
+from cgff_cli.mechanics.norms import largest, norm
 from cgff_cli.mechanics.state import State
 from cgff_cli.solvers.directions import RULES, Point
-from cgff_cli.solvers.line_search import ENOUGH_DECREASE, FLAT, FLAT_ENOUGH_FOR_NEWTON, Goal, strong_wolfe
+from cgff_cli.solvers.line_search import (
+    ENOUGH_DECREASE,
+    FLAT,
+    FLAT_ENOUGH_FOR_NEWTON,
+    TENFOLD,
+    Goal,
+    strong_wolfe,
+)
 from cgff_cli.solvers.objectives import Trial
 from cgff_cli.solvers.run import Iterate, Move, Run
-from cgff_cli.solvers.stopping import Verdict
+from cgff_cli.solvers.stopping import NEGLIGIBLE, WAIT, Verdict
 
-LOST_CONJUGACY = 0.1
-"""Restart when <g_k, z_{k-1}> exceeds this share of <g_k, z_k> (Powell 1977, where it is 0.2)."""
-
-DOWNHILL = 0.01
-"""Restart when the slope along d is flatter than this share of the slope along -z."""
-
-MOST_FAILURES = 6
-"""Restarts with a hundredfold shift, in a row, before a vanished step is believed."""
-
-
-STATIONARY = 1e-12
-"""Gradient of eq. (10) this small against stiffness times residual is zero."""
+LOST = 1.0 / TENFOLD
+"""Restart when <g_k, z_{k-1}> exceeds this share of <g_k, z_k> (Powell 1977, where it is 0.2), or when the
+slope along d is flatter than this share of the slope along -z."""
 
 Onward = Callable[[Run], bool]
 
@@ -40,42 +39,38 @@ def iterates(run: Run, onward: Onward) -> Iterator[Iterate]:
     onward: moves a run that is stuck, or ended, to where it goes on from; False where there is no such place.
     """
     run.state = run.preconditioner.better_start(run.state)
-    iterate, path = run.iterate(), descent(run)
+    path = descent(run)
     while True:
-        yield iterate
+        yield run.iterate()
         run.verdict = run.watch.judge(run.state, run.iterations) or _stationary(run) or _worn_out(run)
-        is_elsewhere = (run.verdict is not None or run.watch.is_stuck) and onward(run)
-        if run.verdict is None and not is_elsewhere:
-            following = next(path, None)
-            if following is not None:
-                iterate = following
-                continue
-            run.verdict = run.watch.vanished(run.state)
-        if not is_elsewhere:
+        if (run.verdict or run.watch.is_stuck) and onward(run):
+            run.verdict, path = None, descent(run)
+        elif run.verdict is None and next(path, None) is None:
+            run.verdict = run.watch.vanished()
+        if run.verdict:
             return
-        run.verdict, iterate, path = None, run.iterate(), descent(run)
 
 
-def descent(run: Run) -> Iterator[Iterate]:
-    """Yield the iterates that steps of eq. (13) lead to from the present one; ends where no step is left."""
+def descent(run: Run) -> Iterator[Move]:
+    """Take steps of eq. (13), and yield each; ends where no step is left."""
     rule, M, gradient = RULES[run.options.cg_beta], run.preconditioner, run.objective.gradient
     old: tuple[Point, np.ndarray] | None = None
     failures = 0
-    while failures < (1 if run.watch.at_floor else MOST_FAILURES):
+    while failures == 0 or (failures < WAIT and not run.watch.at_floor):
         M.refresh(run.state)
         g = gradient(run.state)
         z = M.apply(g)
         new = Point(g, z, float(np.vdot(g, z)))
         d, slope, cg_beta, restarted = -z, -new.gz, 0.0, False
         if old is not None:
-            restarted = abs(float(np.vdot(g, old[0].z))) > LOST_CONJUGACY * new.gz
+            restarted = abs(float(np.vdot(g, old[0].z))) > LOST * new.gz
             if not restarted:
                 a, cg_beta, c = rule(new, *old, M.apply)
                 d = a * z + cg_beta * old[1]
                 if c != 0.0:
                     d += c * M.apply(g - old[0].g)
                 slope = float(np.vdot(g, d))
-                restarted = slope > -DOWNHILL * new.gz
+                restarted = slope > -LOST * new.gz
             if restarted:
                 d, slope, cg_beta = -z, -new.gz, 0.0
         found = _step(run, d, slope) if slope < 0.0 else None
@@ -87,7 +82,7 @@ def descent(run: Run) -> Iterator[Iterate]:
         M.adapt(alpha, run.objective.size(there) / (run.objective.size(run.state) or 1.0))
         run.go(there, Move(length, alpha, cg_beta, restarted))
         old, failures = (new, d), 0
-        yield run.iterate()
+        yield run.move
 
 
 def _step(run: Run, d: np.ndarray, slope: float) -> tuple[float, float, State] | None:
@@ -105,14 +100,15 @@ def _step(run: Run, d: np.ndarray, slope: float) -> tuple[float, float, State] |
     change, slope_there = objective.change(state, there), float(np.vdot(objective.gradient(there), d))
     if not (change <= ENOUGH_DECREASE * alpha * slope and abs(slope_there) <= -flat * slope):
         full = Trial(alpha, change, slope_there, there)
-        found, count = strong_wolfe(objective.line(state, d), Goal(slope, objective.noise(state), flat), full)
+        goal = Goal(slope, partial(objective.noise, state), flat)
+        found, count = strong_wolfe(objective.line(state, d), goal, full)
         run.evaluations += count
         if found.step == 0.0 and objective.size(there) < objective.size(state):
             found = full
         alpha = found.step
         there = found.there or run.at(state.X + alpha * d)
     length = alpha * norm(d)
-    return (alpha, length, there) if length > EPS * norm(state.X) else None
+    return (alpha, length, there) if length > EPS * state.reach else None
 
 
 def _worn_out(run: Run) -> Verdict | None:
@@ -126,7 +122,7 @@ def _stationary(run: Run) -> Verdict | None:
     if run.minimises_energy:
         return None
     state = run.state
-    force = float(np.abs(state.g).max(initial=0.0)) * run.watch.gauge.largest_stiffness
-    if float(np.abs(run.objective.gradient(state)).max(initial=0.0)) > STATIONARY * force:
+    force = largest(state.g) * run.watch.gauge.largest_stiffness
+    if largest(run.objective.gradient(state)) > NEGLIGIBLE * force:
         return None
     return Verdict.ROUNDING_FLOOR if run.watch.at_floor else Verdict.STATIONARY

@@ -5,39 +5,47 @@ A step a along a descent direction is accepted when
     phi(a) - phi(0) <= c1 a phi'(0) + noise        (enough decrease)
     |phi'(a)| <= c2 |phi'(0)|                      (near a stationary point of the line)
 
-with c2 below the 1/2 that Fletcher-Reeves needs for descent (Al-Baali 1985): 0.1 where conjugacy does the
-work, 0.4 where a fresh tangent does and a flatter point of the line gains nothing. The search interpolates
-by cubics inside a bracket; the noise term lets it go on by slopes alone where changes are rounding error.
+with c2 a tenth where conjugacy does the work, and the 1/2 that Fletcher-Reeves needs for descent (Al-Baali
+1985) where a fresh tangent does and a flatter point of the line gains nothing. The search interpolates
+slopes by their secant inside a bracket, and halves a bracket that a secant did not; it needs no more where
+changes are rounding error, which the noise term allows for.
 """
 
-from math import sqrt
-from typing import NamedTuple
+from collections.abc import Callable
+from functools import cached_property
 
 from cgff_cli.solvers.objectives import Line, Trial
 
+TENFOLD = 10.0
+"""The one factor by which what is too small grows, and what is too large shrinks."""
+
+MOST_TRIALS = 60
+"""Trials on a line, and unstable equilibria left behind, before it is enough."""
+
 ENOUGH_DECREASE = 1e-4
-FLAT = 0.1
-FLAT_ENOUGH_FOR_NEWTON = 0.4
-LARGEST_GROWTH = 10.0
-INSIDE = 0.05
-"""Share of the bracket that a trial keeps from either end."""
-MAX_TRIALS = 60
+FLAT = 1.0 / TENFOLD
+FLAT_ENOUGH_FOR_NEWTON = 0.5
 
 
-class Goal(NamedTuple):
-    """What a step has to satisfy: the slope at 0, the rounding error of a change, and c2."""
+class Goal:
+    """What a step has to satisfy: the slope at 0, the rounding error of a change, asked for once, and c2."""
 
-    slope: float
-    noise: float
-    flat: float
+    def __init__(self, slope: float, noise: Callable[[], float], flat: float):
+        self.slope, self.flat, self._noise = slope, flat, noise
+
+    @cached_property
+    def noise(self) -> float:
+        """The rounding error to expect in a change."""
+        return self._noise()
 
     def descends(self, trial: Trial) -> bool:
         """Return whether a step satisfies the first condition."""
-        return trial.change <= ENOUGH_DECREASE * trial.step * self.slope + self.noise
+        least = ENOUGH_DECREASE * trial.step * self.slope
+        return trial.change <= least or trial.change <= least + self.noise
 
     def is_met(self, trial: Trial) -> bool:
         """Return whether a step satisfies both conditions."""
-        return self.descends(trial) and abs(trial.slope) <= -self.flat * self.slope
+        return abs(trial.slope) <= -self.flat * self.slope and self.descends(trial)
 
 
 def strong_wolfe(line: Line, goal: Goal, trial: Trial) -> tuple[Trial, int]:
@@ -46,46 +54,32 @@ def strong_wolfe(line: Line, goal: Goal, trial: Trial) -> tuple[Trial, int]:
     low holds a trial that descends and still points down (or 0), high one beyond a minimum of the line.
     Where no trial satisfies both conditions, the last low is returned: it still descends, or is 0.
     """
-    low, high = Trial(0.0, 0.0, goal.slope), None
-    for count in range(MAX_TRIALS):
+    low, high, width = Trial(0.0, 0.0, goal.slope), None, float("inf")
+    for count in range(MOST_TRIALS):
         if goal.is_met(trial):
             return trial, count
         if goal.descends(trial) and trial.slope < 0.0:
             low = trial
         else:
             high = trial
-        a = _next(trial, low, high, goal)
-        if high is not None and not low.step < a < high.step:
-            return low, count
+        if high is None:
+            a = min(max(_secant(trial, goal.slope), trial.step), TENFOLD * trial.step)
+        else:
+            last, width = width, high.step - low.step
+            a = _inside(low, high) if width <= 0.5 * last else low.step + 0.5 * width
+            if not low.step < a < high.step:
+                return low, count
         trial = line(a)
-    return low, MAX_TRIALS
+    return low, MOST_TRIALS
 
 
-def _next(trial: Trial, low: Trial, high: Trial | None, goal: Goal) -> float:
-    """Return the next step: the secant's, or beyond, until there is a bracket; else the cubic's inside it.
-
-    Where changes are rounding error slopes alone tell, and the secant takes the cubic's place.
-    """
-    a, slope = trial.step, goal.slope
-    if high is None:
-        secant = a * slope / (slope - trial.slope) if trial.slope > slope else float("inf")
-        return min(max(secant, 1.1 * a), LARGEST_GROWTH * a)
-    width = high.step - low.step
-    if abs(high.change - low.change) <= goal.noise:
-        rise = high.slope - low.slope
-        a = low.step - width * low.slope / rise if rise > 0.0 else float("inf")
-    else:
-        a = _cubic(low, high)
-    return a if INSIDE * width <= a - low.step <= (1.0 - INSIDE) * width else low.step + 0.5 * width
+def _secant(trial: Trial, slope: float) -> float:
+    """Return where the slope would vanish if it went on changing as it did from 0 to the trial."""
+    return trial.step * slope / (slope - trial.slope) if trial.slope > slope else float("inf")
 
 
-def _cubic(low: Trial, high: Trial) -> float:
-    """Return the minimum of the cubic through changes and slopes at both ends (Nocedal and Wright, 3.59)."""
-    width = high.step - low.step
-    s = low.slope + high.slope + 3.0 * (low.change - high.change) / width
-    square = s * s - low.slope * high.slope
-    if not square >= 0.0:
-        return float("inf")
-    root = sqrt(square)
-    below = high.slope - low.slope + 2.0 * root
-    return high.step - width * (high.slope + root - s) / below if below else float("inf")
+def _inside(low: Trial, high: Trial) -> float:
+    """Return where the secant of the slopes crosses zero, or the middle if that is near either end."""
+    width, rise = high.step - low.step, high.slope - low.slope
+    share = -low.slope / rise if rise > 0.0 else 0.0
+    return low.step + width * (share if 1.0 / TENFOLD <= share <= 1.0 - 1.0 / TENFOLD else 0.5)

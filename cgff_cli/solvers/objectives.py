@@ -53,7 +53,7 @@ class Energy:
 
     def noise(self, state: State) -> float:
         """Return the rounding error to expect in a change of P."""
-        return 4.0 * norm(state.t * state.rounding)
+        return 2.0 * norm(state.t * state.rounding)
 
     def line(self, state: State, d: np.ndarray) -> Line:
         """Return P along X + a d: by states if small, else in closed form, which tells no state.

@@ -5,8 +5,7 @@ from cgff_cli.solvers.preconditioners import tangent
 from cgff_cli.solvers.preconditioners.base import Tangent
 from cgff_cli.solvers.run import Run
 from cgff_cli.solvers.saddles import escape
-
-MOST_DETOURS = 3
+from cgff_cli.solvers.stopping import PATIENCE
 
 
 def onward(run: Run) -> bool:
@@ -21,7 +20,7 @@ def _detour(run: Run) -> bool:
     costs more than all the loads can do.
     """
     run.watch.waited = 0
-    if not run.minimises_energy or run.detours >= MOST_DETOURS or not run.preconditioner.has_detours:
+    if not run.minimises_energy or run.detours >= PATIENCE or not run.preconditioner.has_detours:
         return False
     run.detours += 1
     M = run.preconditioner

@@ -26,15 +26,10 @@ START = Move(0.0, 0.0, 0.0, False)
 
 
 class Iterate(NamedTuple):
-    """Where a run is after `number` iterations, how it came there, and the evaluations so far.
-
-    value, g : the objective and its gradient (d, m)
-    """
+    """Where a run is after `number` iterations, how it came there, and the evaluations so far."""
 
     number: int
     state: State
-    value: float
-    g: np.ndarray
     move: Move
     evaluations: int
 
@@ -82,6 +77,4 @@ class Run:
 
     def iterate(self) -> Iterate:
         """Return where the run is."""
-        state = self.state
-        value, g = self.objective.value(state), self.objective.gradient(state)
-        return Iterate(self.iterations, state, value, g, self.move, self.evaluations)
+        return Iterate(self.iterations, self.state, self.move, self.evaluations)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from cgff_cli.mechanics.state import Mechanics, State
+from cgff_cli.solvers.line_search import MOST_TRIALS, TENFOLD
 from cgff_cli.solvers.objectives import Line
 from cgff_cli.solvers.run import Run
 
@@ -10,10 +11,7 @@ COINCIDENT = 1e-9
 """A strut shorter than this share of the structure's size has no direction to push in."""
 
 NUDGE = 1e-4
-"""Size of the seeded perturbation that gives it one."""
-
-MOST_ESCAPES = 20
-"""Unstable equilibria left behind along their negative stiffness before one is reported as such."""
+"""Size of the seeded perturbation that gives it one, and of the first step away from a saddle."""
 
 
 def separated(mechanics: Mechanics, seed: int) -> tuple[State, str | None]:
@@ -23,8 +21,10 @@ def separated(mechanics: Mechanics, seed: int) -> tuple[State, str | None]:
     drawn from `seed`.
     """
     structure, start = mechanics.structure, mechanics.at(mechanics.start)
-    short = start.l < COINCIDENT
-    if not short.any() or not (short := short & ~structure.tension_only & (mechanics.l0 > 0.0)).any():
+    if float(start.l.min()) >= COINCIDENT:
+        return start, None
+    short = (start.l < COINCIDENT) & ~structure.tension_only & (mechanics.l0 > 0.0)
+    if not short.any():
         return start, None
     nodes = np.unique(np.concatenate((structure.start[short], structure.end[short])))
     moved = np.zeros_like(structure.coordinates)
@@ -40,7 +40,7 @@ def separated(mechanics: Mechanics, seed: int) -> tuple[State, str | None]:
 
 def escape(run: Run) -> bool:
     """Leave an unstable equilibrium along its most negative stiffness; False where a run is at none."""
-    if not (run.verdict and run.verdict.converged and run.minimises_energy) or run.escapes >= MOST_ESCAPES:
+    if not (run.verdict and run.verdict.converged and run.minimises_energy) or run.escapes >= MOST_TRIALS:
         return False
     d = run.preconditioner.steepest_fall(run.state)
     if d is None:
@@ -53,27 +53,26 @@ def escape(run: Run) -> bool:
     return True
 
 
-FIRST_FALLS = (1e-3, 1e-4, 1e-5, 1e-6)
-"""First steps to try away from an unstable equilibrium: a stiff element beside it hides longer falls."""
-
-FARTHEST = 1e3
-GROWTH = 4.0
-
-
 def _farthest_fall(line: Line) -> float:
-    """Return the step along a direction of negative curvature, of either sign, that falls most; 0 if none."""
-    return next((step for first in FIRST_FALLS if (step := _fall_from(line, first)) != 0.0), 0.0)
+    """Return the step along a direction of negative curvature, of either sign, that falls most; 0 if none.
+
+    First steps go down to COINCIDENT: a stiff element beside an unstable equilibrium hides longer falls.
+    """
+    first, step = NUDGE, 0.0
+    while step == 0.0 and first > COINCIDENT:
+        step = _fall_from(line, first)
+        first /= TENFOLD
+    return step
 
 
 def _fall_from(line: Line, first: float) -> float:
-    """Return the step that falls most, growing fourfold from `first` while the objective keeps falling."""
+    """Return the step that falls most, doubling from `first` while the objective keeps falling."""
     best, best_change = 0.0, 0.0
     for sign in (1.0, -1.0):
-        a = sign * first
-        last = 0.0
-        while (trial := line(a)).change < last and abs(a) < FARTHEST:
+        a, last = sign * first, 0.0
+        while (trial := line(a)).change < last and abs(a) < 1.0 / NUDGE:
             if trial.change < best_change:
                 best, best_change = a, trial.change
             last = trial.change
-            a *= GROWTH
+            a *= 2.0
     return best

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from cgff_cli.mechanics import elements
+from cgff_cli.mechanics.connectivity import DENSE_ENTRIES
 from cgff_cli.mechanics.elements import TINY
-from cgff_cli.mechanics.norms import norm
+from cgff_cli.mechanics.norms import largest, norm
 from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.solvers.objectives import Objective
 from cgff_cli.solvers.run import Iterate
@@ -32,54 +33,49 @@ COLUMNS = (
 
 
 class History:
-    """The iterates of a run as rows of numbers, row 0 the start; never a copy of the shape.
+    """The iterates of a run as rows of numbers, row 0 the start; never a copy of a large shape.
 
-    Rows are made when somebody reads or watches. Until then a small scene's keep two gradients, which cost
-    less than their norms; a large scene's do not.
+    Rows are made when somebody reads or watches. Until then a small scene keeps its states, which cost
+    nothing more, as long as they are no more than a dense rho; a large scene keeps none.
     """
 
     def __init__(self, mechanics: Mechanics, objective: Objective, observer: Observer | None = None):
-        self.frame, self.is_small = mechanics.frame, mechanics.is_small
-        self.is_energy, self.observer = objective.name == "energy", observer
-        self.rows: list[tuple[Any, ...]] = []
+        self.frame, self.objective, self.observer = mechanics.frame, objective, observer
+        is_lazy = mechanics.is_small and observer is None
+        self.most_kept = DENSE_ENTRIES // len(mechanics.k) if is_lazy else 0
+        self._kept: list[Iterate] = []
+        self._rows: list[tuple[Any, ...]] = []
+
+    def __len__(self) -> int:
+        return len(self._rows) + len(self._kept)
 
     def add(self, iterate: Iterate) -> None:
         """Append an iterate, and show it to the observer."""
-        k, state, value, g, move, evaluations = iterate
-        row = (k, value, state.g, g, *move, evaluations)
-        if not self.is_small or self.observer is not None:
-            row = self._measured(row)
-        self.rows.append(row)
-        if self.observer is not None:
-            self.observer(dict(zip(COLUMNS, self._told(row), strict=True)))
+        self._kept.append(iterate)
+        if len(self._kept) > self.most_kept:
+            rows = self.rows()
+            if self.observer is not None:
+                self.observer(dict(zip(COLUMNS, rows[-1], strict=True)))
 
-    @property
-    def restarts(self) -> int:
-        """Iterations whose direction was reset."""
-        return sum(row[7] for row in self.rows)
+    def rows(self) -> list[tuple[Any, ...]]:
+        """Return a row per iterate, in the order of COLUMNS and in the user's units."""
+        self._rows += map(self._row, self._kept)
+        self._kept.clear()
+        return self._rows
 
     def columns(self) -> dict[str, list[Any]]:
-        """Return column name -> one value per iteration, in the user's units."""
-        told = [self._told(self._measured(row)) for row in self.rows]
-        return dict(zip(COLUMNS, map(list, zip(*told, strict=True)), strict=True))
+        """Return column name -> one value per iteration."""
+        return dict(zip(COLUMNS, map(list, zip(*self.rows(), strict=True)), strict=True))
 
-    def _measured(self, row: tuple[Any, ...]) -> tuple[Any, ...]:
-        """Return a row with norms in place of gradients."""
-        if isinstance(row[2], float):
-            return row
-        return (*row[:2], float(np.abs(row[2]).max(initial=0.0)), norm(row[3]), *row[4:])
-
-    def _told(self, row: tuple[Any, ...]) -> tuple[Any, ...]:
-        """Return a measured row in the order of COLUMNS and in the user's units."""
-        k, value, residual, slope, step, alpha, cg_beta, restarted, evaluations = row
-        frame = self.frame
-        unit = frame.energy if self.is_energy else frame.force * frame.force
-        slope_unit = frame.force if self.is_energy else frame.force * frame.stiffness
+    def _row(self, iterate: Iterate) -> tuple[Any, ...]:
+        k, state, (step, alpha, cg_beta, restarted), evaluations = iterate
+        frame, objective = self.frame, self.objective
+        is_energy = objective.name == "energy"
         return (
             k,
-            value * unit,
-            residual * frame.force,
-            slope * slope_unit,
+            objective.value(state) * (frame.energy if is_energy else frame.force * frame.force),
+            largest(state.g) * frame.force,
+            objective.size(state) * (frame.force if is_energy else frame.force * frame.stiffness),
             step * frame.length,
             alpha,
             cg_beta,
@@ -110,10 +106,8 @@ class Solution:
 
     @cached_property
     def balance(self) -> Balance:
-        """How far the forces are from balance, in the frame's units, the floor measured."""
-        gauge = Gauge(self.mechanics)
-        balance = gauge.measure(self.state)
-        return balance._replace(floor=balance.floor or gauge.rounding_floor(self.state))
+        """How far the forces are from balance, in the frame's units."""
+        return Gauge(self.mechanics).measure(self.state)
 
     @property
     def message(self) -> str:
@@ -123,12 +117,12 @@ class Solution:
     @property
     def iterations(self) -> int:
         """Steps taken."""
-        return len(self.record.rows) - 1 if self.record else 0
+        return len(self.record) - 1 if self.record else 0
 
     @property
     def restarts(self) -> int:
         """Iterations whose direction was reset."""
-        return self.record.restarts if self.record else 0
+        return sum(row[-1] for row in self.record.rows()) if self.record else 0
 
     @cached_property
     def history(self) -> dict[str, list[Any]]:

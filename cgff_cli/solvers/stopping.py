@@ -11,23 +11,22 @@ from typing import NamedTuple
 import numpy as np
 
 from cgff_cli.mechanics.elements import EPS
-from cgff_cli.mechanics.norms import norm
+from cgff_cli.mechanics.norms import largest, norm
 from cgff_cli.mechanics.state import Mechanics, State
 
 VANISHED = 16.0
 """Forces below this many rounding floors are taken for zero."""
 
-FAR = 1e100
-"""Residual, against stiffness times size, that no shape within reach can have."""
-
-FAR_ABOVE = 1e4
-"""A residual this many times a rough bound on the floor needs no exact floor to compare with."""
+NEGLIGIBLE = 1e-13
+"""Share of a sum of products that is rounding: a gradient of eq. (10) that small against stiffness times
+residual is zero, a shift of the tangent that small does nothing."""
 
 WAIT = 8
-"""Iterations without halving the residual after which a run is stuck (12 did as well)."""
+"""Iterations without halving the residual, or failed steps in a row, after which a run is stuck (6 to 12 did
+as well)."""
 
 PATIENCE = 3
-"""Iterations at the floor without halving the residual before it counts as reached."""
+"""Iterations at the floor without halving the residual before it counts as reached; detours of a run."""
 
 
 class Verdict(StrEnum):
@@ -80,34 +79,39 @@ class Gauge:
 
     def __init__(self, mechanics: Mechanics):
         self.mechanics = mechanics
-        self.largest_stiffness = float(mechanics.nodal_stiffness.max(initial=0.0))
+        self.largest_stiffness = largest(mechanics.nodal_stiffness)
         self.root = sqrt(mechanics.start.size or 1)
-        self.far_above = FAR_ABOVE * EPS * self.largest_stiffness
-        self.still = norm(mechanics.all) + float(mechanics.l0.max())
-        self.largest_load = mechanics.largest_load
+        self.still = 2.0 * norm(mechanics.all) + float(mechanics.l0.max())
+
+    def bound(self, state: State) -> float:
+        """Return a bound on the floor: the norm of X bounds coordinates, lengths and extensions."""
+        return EPS * self.largest_stiffness * 2.0 * (self.still + 2.0 * state.reach)
 
     def may_end(self, state: State, tolerance: float) -> bool:
-        """Return whether a residual may be within the tolerance or the floor: a cheap bound first.
+        """Return whether a residual may be within the tolerance or the floor.
 
         Its largest component is at least the norm over the root of their number, the reference at most the
-        norm of all forces, and the floor is far below k times a size that the norm of X bounds.
+        norm of all forces.
         """
-        balanced = tolerance * (norm(state.t) + self.largest_load)
-        return state.norm <= self.root * max(balanced, self.far_above * (self.still + 4.0 * norm(state.X)))
+        balanced = tolerance * (norm(state.t) + self.mechanics.largest_load)
+        return state.norm <= self.root * max(balanced, VANISHED * VANISHED * self.bound(state))
+
+    def is_balanced(self, state: State, tolerance: float) -> bool:
+        """Return whether the residual is within the tolerance; the floor is measured where it matters."""
+        force = self._largest_force(state)
+        if force <= VANISHED * self.bound(state):
+            force = self.measure(state).reference
+        return largest(state.g) <= tolerance * force
 
     def measure(self, state: State) -> Balance:
-        """Return the balance of a state; the floor is left 0 while the residual is far above it."""
-        residual = float(np.abs(state.g).max(initial=0.0))
-        reference = max(float(np.abs(state.t).max()), self.largest_load)
-        far_above = self.far_above * state.size
-        if residual > far_above and reference > VANISHED * far_above:
-            return Balance(residual, reference, 0.0, False)
-        floor = self.rounding_floor(state)
-        nothing = VANISHED * max(floor, EPS * self.mechanics.largest_at_start)
-        if reference > nothing or self.largest_load > 0.0:  # a load is exact, however small
-            return Balance(residual, reference, floor, False)
-        largest = max(float((self.mechanics.k * state.l).max()), self.mechanics.largest_at_start)
-        return Balance(residual, largest, max(floor, EPS * largest), True)
+        """Return the balance of a state."""
+        mechanics, floor, force = self.mechanics, self.rounding_floor(state), self._largest_force(state)
+        residual = largest(state.g)
+        nothing = VANISHED * max(floor, EPS * mechanics.largest_at_start)
+        if force > nothing or mechanics.largest_load > 0.0:  # a load is exact, however small
+            return Balance(residual, force, floor, False)
+        whole = max(largest(mechanics.k * state.l), mechanics.largest_at_start)
+        return Balance(residual, whole, max(floor, EPS * whole), True)
 
     def rounding_floor(self, state: State) -> float:
         """Return the rounding error of the largest residual component: its elements' forces', summed."""
@@ -117,6 +121,9 @@ class Gauge:
             (np.bincount(structure.start, blurred, n) + np.bincount(structure.end, blurred, n)).max()
         )
 
+    def _largest_force(self, state: State) -> float:
+        return max(largest(state.t), self.mechanics.largest_load)
+
 
 class Watch:
     """Asks the stopping tests once per iteration, and remembers the best balance so far."""
@@ -125,6 +132,7 @@ class Watch:
         self.gauge, self.tolerance, self.max_iterations = gauge, tolerance, max_iterations
         self.best = float("inf")
         self.waited = 0
+        self.state: State | None = None
         self.balance: Balance | None = None
 
     def judge(self, state: State, iteration: int) -> Verdict | None:
@@ -132,14 +140,11 @@ class Watch:
 
         Order: diverged, converged, rounding floor (reached, and three iterations without halving it), limit.
         """
-        self.balance = None
-        if not state.norm < FAR:
+        self.state, self.balance = state, None
+        if not state.norm < float("inf"):
             return Verdict.DIVERGED
-        gauge = self.gauge
-        if gauge.may_end(state, self.tolerance):
-            self.balance = gauge.measure(state)
-            if self.balance.residual <= self.tolerance * self.balance.reference:
-                return Verdict.CONVERGED
+        if self.gauge.may_end(state, self.tolerance) and self.gauge.is_balanced(state, self.tolerance):
+            return Verdict.CONVERGED
         if state.norm <= 0.5 * self.best:
             self.best, self.waited = state.norm, 0
         else:
@@ -148,15 +153,9 @@ class Watch:
             return Verdict.ROUNDING_FLOOR
         return Verdict.MAX_ITERATIONS if iteration >= self.max_iterations else None
 
-    @property
-    def near_floor(self) -> bool:
-        """Whether the state last judged is balanced but for forces that may be taken for zero."""
-        return self.balance is not None and self.balance.near_floor
-
-    def vanished(self, state: State) -> Verdict:
+    def vanished(self) -> Verdict:
         """Return what it means that no step is left."""
-        near = self.gauge.measure(state).near_floor
-        return Verdict.ROUNDING_FLOOR if near else Verdict.STEP_VANISHED
+        return Verdict.ROUNDING_FLOOR if self.near_floor else Verdict.STEP_VANISHED
 
     @property
     def is_stuck(self) -> bool:
@@ -166,7 +165,17 @@ class Watch:
     @property
     def at_floor(self) -> bool:
         """Whether the state last judged is balanced to rounding."""
-        return self.balance is not None and self.balance.at_floor
+        return self._measured().at_floor
+
+    @property
+    def near_floor(self) -> bool:
+        """Whether it is balanced but for forces that may be taken for zero."""
+        return self._measured().near_floor
+
+    def _measured(self) -> Balance:
+        if self.balance is None and self.state is not None:
+            self.balance = self.gauge.measure(self.state)
+        return self.balance or Balance(float("inf"), 0.0, 0.0, False)
 
 
 def sentence(verdict: Verdict, balance: Balance, tolerance: float) -> str:

@@ -20,19 +20,14 @@ import numpy as np
 from cgff_cli.mechanics.frame import UNSCALED
 from cgff_cli.mechanics.norms import norm
 from cgff_cli.mechanics.state import Mechanics
-from cgff_cli.options import SolveOptions
+from cgff_cli.options import DEFAULTS, SolveOptions
 from cgff_cli.solvers.directions import Point, fletcher_reeves
+from cgff_cli.solvers.line_search import TENFOLD
 from cgff_cli.solvers.objectives import Residual
 from cgff_cli.solvers.run import START, Iterate, Move
 from cgff_cli.solvers.solution import History, Observer, Solution
-from cgff_cli.solvers.stopping import Gauge, Verdict
+from cgff_cli.solvers.stopping import NEGLIGIBLE, Gauge, Verdict
 from cgff_cli.structure import Structure
-
-FLAT = 1e-9
-"""Gradient this small against stiffness times residual counts as stationary."""
-
-MOST_FAILED = 20_000
-"""Trials that may fail: ten for each iteration of the default limit. With b near 1 they would never end."""
 
 
 def form_find(structure: Structure, options: SolveOptions, observer: Observer | None = None) -> Solution:
@@ -64,7 +59,7 @@ class TableOne:
         alpha, b, k, failed = self.options.alpha, self.options.step_factor, 0, 0
         f, g = self.objective.value(self.state), self.objective.gradient(self.state)
         d = -g
-        yield Iterate(k, self.state, f, g, START, self.evaluations)
+        yield Iterate(k, self.state, START, self.evaluations)
         while True:
             step = alpha * norm(d)
             if not step < float("inf"):
@@ -72,7 +67,7 @@ class TableOne:
                 return
             if step <= self.options.eps:
                 return
-            if k >= self.options.max_iterations or failed >= MOST_FAILED:
+            if k >= self.options.max_iterations or failed >= TENFOLD * DEFAULTS.max_iterations:
                 self.ending = Verdict.MAX_ITERATIONS
                 return
             there = self.mechanics.at(self.state.X + alpha * d)
@@ -87,7 +82,7 @@ class TableOne:
             _, cg_beta, _ = fletcher_reeves(Point(g, g, float(np.vdot(g, g))), old, d, np.asarray)
             d = cg_beta * d - g
             k += 1
-            yield Iterate(k, there, f, g, Move(step, alpha, cg_beta, False), self.evaluations)
+            yield Iterate(k, there, Move(step, alpha, cg_beta, False), self.evaluations)
             alpha /= b
 
     def judged(self) -> Verdict:
@@ -99,5 +94,5 @@ class TableOne:
         if balance.at_floor:
             return Verdict.ROUNDING_FLOOR
         force = balance.residual * gauge.largest_stiffness
-        flat = float(np.abs(self.objective.gradient(self.state)).max()) <= FLAT * force
+        flat = float(np.abs(self.objective.gradient(self.state)).max()) <= NEGLIGIBLE * force
         return Verdict.STATIONARY if flat and self.ending is Verdict.STEP_VANISHED else self.ending

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cgff_cli.mechanics.connectivity import dense
-from cgff_cli.mechanics.rigid import RigidMotions, all_motions, rigid_stiffness
+from cgff_cli.mechanics.rigid import RigidMotions
 from tests.bodies import random_body
 from tests.states import state_of
 
@@ -79,12 +79,6 @@ def test_without_loads_a_free_body_in_balance_or_not_feels_no_force_along_a_rigi
     eta = -state_of(structure).g.reshape(-1)
     assert np.abs(eta).max() > 0.1
     assert R.T @ eta == pytest.approx(np.zeros(6), abs=1e-14)
-
-
-@pytest.mark.parametrize("X", [PLANE, SPACE, LINE_3, POINT * 0.0], ids=["plane", "space", "line", "point"])
-def test_the_stiffness_of_rigid_motions_is_the_product_of_all_of_them(X):
-    R = all_motions(X.T)
-    assert rigid_stiffness(X.T) == pytest.approx(R @ R.T, abs=1e-14)
 
 
 @pytest.mark.parametrize(

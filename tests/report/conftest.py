@@ -48,7 +48,7 @@ def altered(triangle: Result) -> MakeResult:
             triangle,
             source=replace(triangle.source, name=name),
             solution=_changed(triangle.solution, changes),
-            analysis=triangle.analysis if analysis is None else analysis,
+            found=triangle.analysis if analysis is None else analysis,
         )
 
     return make

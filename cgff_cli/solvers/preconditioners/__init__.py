@@ -15,7 +15,7 @@ def choose(mechanics: Mechanics, options: SolveOptions) -> Preconditioner:
     tangent, which also takes over where frames make no headway.
     """
     squared = options.objective == "residual"
-    if options.preconditioner == "none" or not len(mechanics.dofs):
+    if options.preconditioner == "none" or not mechanics.start.size:
         return Preconditioner()
     wants_frames = options.preconditioner == "frames" or (
         options.preconditioner == "auto" and not mechanics.is_small

@@ -2,12 +2,16 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from math import sqrt
 
 import numpy as np
 
+from cgff_cli.mechanics.elements import EPS
 from cgff_cli.mechanics.signs import steepest_fall
 from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.mechanics.tangent import Parts
+from cgff_cli.solvers.line_search import TENFOLD
+from cgff_cli.solvers.stopping import NEGLIGIBLE
 
 
 class Preconditioner:
@@ -45,13 +49,11 @@ class Preconditioner:
 
 
 FIRST_SHIFT = 1e-3
-NEAR_SHIFT = 1e-10
-LEAST_SHIFT = 1e-13
-LONG_STEP, SHORT_STEP = 0.5, 0.2
-CAUTION = 100.0
+LONG_STEP = 0.5
 
-GOOD_PROGRESS = 0.25
-"""A step that shrinks the gradient to this share earns M trust: another step, or no test of its signs."""
+QUARTER = 0.25
+"""Steps below this share of the full one are short; a gradient shrunk to this share earns M trust: another
+step, or no test of its signs."""
 
 Solve = Callable[[np.ndarray], np.ndarray]
 
@@ -84,16 +86,12 @@ class Tangent(Preconditioner, ABC):
         do not count, and solutions hold none of those at X.
         """
 
-    def at(self, state: State, q: np.ndarray | None, *, trusted: bool = False) -> Solve | None:
-        """Return M^-1 at a state; q: (b,) nonnegative force densities in place of its own."""
-        return self.system(state.parts(q), self.mu, trusted=trusted)
-
-    def refresh(self, state: State) -> None:
-        """Form M at a state."""
-        self.solve = self.at(state, None, trusted=self.progress < GOOD_PROGRESS)
+    def refresh(self, state: State, q: np.ndarray | None = None) -> None:
+        """Form M at a state; q: (b,) nonnegative force densities to begin with in place of its own."""
+        self.solve = self.system(state.parts(q), self.mu, trusted=self.progress < QUARTER)
         while self.solve is None:
-            self.solve = self.at(state, np.maximum(state.q, 0.0))
-            self.mu *= 1.0 if self.solve else 10.0
+            self.solve = self.system(state.parts(np.maximum(state.q, 0.0)), self.mu)
+            self.mu *= 1.0 if self.solve else TENFOLD
 
     def apply(self, g: np.ndarray) -> np.ndarray:
         """Return M^-1 g, (d, m)."""
@@ -103,15 +101,15 @@ class Tangent(Preconditioner, ABC):
         """Lower mu after a long step, raise it after a short one."""
         self.progress = shrinkage if alpha == 1.0 else 1.0
         if alpha > LONG_STEP:
-            self.mu = max(self.mu * min(0.1, shrinkage), LEAST_SHIFT)
-        elif alpha < SHORT_STEP:
-            self.mu *= 10.0
+            self.mu = max(self.mu * min(1.0 / TENFOLD, shrinkage), NEGLIGIBLE)
+        elif alpha < QUARTER:
+            self.mu *= TENFOLD
 
     def stiffen(self) -> None:
         """Raise mu a hundredfold, and trust nothing."""
-        self.mu *= CAUTION
+        self.mu *= TENFOLD * TENFOLD
         self.progress = 1.0
 
     def settle(self) -> None:
-        """Lower mu to where an answer is near."""
-        self.mu, self.progress = NEAR_SHIFT, 1.0
+        """Lower mu to where an answer is near: half of the digits."""
+        self.mu, self.progress = sqrt(EPS), 1.0

@@ -13,6 +13,7 @@ which mix the two stiffnesses where a net is curved. Factors are kept while they
 """
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.solvers.factors import Factor, factory
 from cgff_cli.solvers.line_search import FLAT, Goal, strong_wolfe
 from cgff_cli.solvers.objectives import Energy
-from cgff_cli.solvers.preconditioners.base import SHORT_STEP, Preconditioner
+from cgff_cli.solvers.preconditioners.base import QUARTER, Preconditioner
 from cgff_cli.solvers.preconditioners.planes import local_frames
 
 SLACK_SHARE = 1e-3
@@ -68,7 +69,7 @@ class NodeFrames(Preconditioner):
         if mechanics.F is not None:
             sag, energy = np.stack([factor.solve(f) for f in mechanics.F]), Energy()
             line = energy.line(found, sag)
-            goal = Goal(line(0.0).slope, energy.noise(found), FLAT)
+            goal = Goal(line(0.0).slope, partial(energy.noise, found), FLAT)
             step, _ = strong_wolfe(line, goal, line(1.0))
             found = mechanics.at(found.X + step.step * sag)
         if found.energy >= state.energy:
@@ -130,7 +131,7 @@ class NodeFrames(Preconditioner):
     def adapt(self, alpha: float, shrinkage: float) -> None:
         """Renew the factors after a short step."""
         self.served += 1
-        self.is_spent = alpha < SHORT_STEP and self.served > 1
+        self.is_spent = alpha < QUARTER and self.served > 1
 
     def stiffen(self) -> None:
         """Ask for new factors."""

@@ -14,7 +14,7 @@ from cgff_cli.mechanics.signs import blurred_at_most
 from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.mechanics.tangent import Parts
 from cgff_cli.solvers.factors import Factor, factory
-from cgff_cli.solvers.preconditioners.base import GOOD_PROGRESS, Solve, Tangent
+from cgff_cli.solvers.preconditioners.base import QUARTER, Solve, Tangent
 
 THIN = 12
 """A factor with at most this many entries per entry of K is renewed every iteration."""
@@ -33,10 +33,10 @@ class SparseTangent(Tangent):
         self.is_afloat = mechanics.all_free and mechanics.F is None
         self.is_thick = False
 
-    def refresh(self, state: State) -> None:
+    def refresh(self, state: State, q: np.ndarray | None = None) -> None:
         """Form M anew unless the last one, dear to factor, still serves."""
-        if self.solve is None or not (self.is_thick and self.progress < GOOD_PROGRESS):
-            super().refresh(state)
+        if self.solve is None or not (self.is_thick and self.progress < QUARTER):
+            super().refresh(state, q)
 
     def adapt(self, alpha: float, shrinkage: float) -> None:
         """Adapt mu; progress counts at any step length."""

@@ -104,10 +104,10 @@ def stop_at(eps: float, steps: np.ndarray, stopped: bool) -> int | None:
 
 def slope_at_the_end(path: list[Iterate]) -> float:
     """Return grad f . d for the last direction d = -grad f + beta d, followed from the start."""
-    d = np.zeros_like(path[0].g)
+    d = np.zeros_like(path[0].state.g)
     for iterate in path:
-        d = iterate.move.cg_beta * d - iterate.g
-    return float(np.vdot(path[-1].g, d))
+        d = iterate.move.cg_beta * d - iterate.state.residual_gradient
+    return float(np.vdot(path[-1].state.residual_gradient, d))
 
 
 def false_stop(name: str) -> dict[str, Any]:
