@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
     from cgff_cli.report.result import Result
 
-MOST_DIRECTIONS = 3000
-"""Free directions up to which dense matrices are made because a requirement needs them: about 20 s."""
+MOST_DIRECTIONS = 30_000
+"""Free directions up to which ranks are computed because a requirement needs them: about a second."""
 
 _NAMED = 3
 

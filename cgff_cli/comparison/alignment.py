@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cgff_cli.mechanics.rigid import rigid_motions
+from cgff_cli.mechanics.rigid import RigidMotions
 
 MOST_NODES_FOR_DISTANCES = 5000
 """Nodes up to which all n^2 distances are compared."""
@@ -12,7 +12,7 @@ _BLOCK = 512
 
 def alignment_of(X: np.ndarray, free: np.ndarray) -> str:
     """Return "rigid" where the supports leave a rigid motion, else "none"."""
-    return "rigid" if rigid_motions(X.T, free.T).shape[1] else "none"
+    return "rigid" if RigidMotions(X.T, free.T).basis.shape[1] else "none"
 
 
 def aligned(X: np.ndarray, target: np.ndarray, alignment: str) -> np.ndarray:

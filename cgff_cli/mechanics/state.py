@@ -12,6 +12,7 @@ from cgff_cli.mechanics.connectivity import connectivity
 from cgff_cli.mechanics.equilibrium import internal_forces
 from cgff_cli.mechanics.frame import Frame, frame_of
 from cgff_cli.mechanics.norms import largest, norm
+from cgff_cli.mechanics.rigid import RigidMotions
 from cgff_cli.structure import Structure
 
 
@@ -150,6 +151,11 @@ class State:
         """(d, m) gradient of eq. (10), H^T eta = K g, eq. (12)."""
         return self.tangent_times(self.g)
 
+    @cached_property
+    def rigid(self) -> RigidMotions:
+        """The rigid motions that supports allow."""
+        return RigidMotions(self.mechanics.everywhere(self.X), self.mechanics.structure.free.T)
+
     @property
     def taut(self) -> np.ndarray:
         """(b,) bool, not slack."""
@@ -165,7 +171,7 @@ class State:
         """Largest coordinate, length and extension added up: what rounding is relative to."""
         return largest(self.mechanics.everywhere(self.X)) + largest(self.l) + largest(self.e)
 
-    @property
+    @cached_property
     def rounding(self) -> np.ndarray:
         """(b,) how far rounding blurs each extension: by eps of its ends' coordinates, of l and of e."""
         reach = np.abs(self.mechanics.everywhere(self.X)).max(axis=0)

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from cgff_cli.mechanics import tangent
-from cgff_cli.mechanics.rigid import all_motions, rigid_motions
+from cgff_cli.mechanics.rigid import RigidMotions, all_motions
 from cgff_cli.mechanics.signs import is_positive
 from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.mechanics.tangent import Parts
@@ -61,7 +61,7 @@ class DenseTangent(Tangent):
         """Return the rigid motions that supports allow, (d m, r), zero in held directions."""
         mechanics = self.mechanics
         free = mechanics.structure.free.T
-        motions = rigid_motions(mechanics.everywhere(X), free)
+        motions = RigidMotions(mechanics.everywhere(X), free).basis
         R = np.zeros((free.size, motions.shape[1]))
         R[free.reshape(-1)] = motions
         R = R.reshape(*free.shape, -1)

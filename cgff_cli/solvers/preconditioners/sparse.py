@@ -7,13 +7,13 @@ choose one of the many solutions, from which the rigid motions are then projecte
 
 import numpy as np
 
-from cgff_cli.mechanics.elements import EPS
 from cgff_cli.mechanics.pattern import TangentPattern
 from cgff_cli.mechanics.rigid import all_motions
+from cgff_cli.mechanics.signs import blurred_at_most
 from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.mechanics.tangent import Parts
 from cgff_cli.solvers.factors import Factor, factory
-from cgff_cli.solvers.line_search import HUNDREDFOLD, TENFOLD
+from cgff_cli.solvers.line_search import TENFOLD
 from cgff_cli.solvers.preconditioners.base import Solve, Tangent
 
 INVERSE_ITERATIONS = 30
@@ -52,15 +52,16 @@ class SparseTangent(Tangent):
     def steepest_fall(self, state: State) -> np.ndarray | None:
         """Return a unit direction of negative stiffness, or None: by inverse iteration below zero.
 
-        K has no eigenvalue below -sigma when K + sigma has a Cholesky factor; sigma is raised from doubt.
+        K has no eigenvalue below -sigma when K + sigma has a Cholesky factor; sigma is raised from rounding.
+        Whether the energy falls that way, forces out of balance or not, is seen by going there.
         """
-        sigma = self.doubt(state)
-        if self.definite(state, sigma) is not None:
+        sigma = blurred_at_most(state)
+        if self._definite(state, sigma) is not None:
             return None
         factor = None
         while factor is None:
             sigma *= TENFOLD
-            factor = self.definite(state, sigma)
+            factor = self._definite(state, sigma)
         z = np.cos(np.arange(self.pattern.size) ** 2.0)
         for _ in range(INVERSE_ITERATIONS):
             z = factor.solve(z / np.linalg.norm(z))
@@ -68,14 +69,9 @@ class SparseTangent(Tangent):
         d = d if self.mechanics.mask is None else d * self.mechanics.mask
         return d / (np.linalg.norm(d) * np.sign(d.flat[np.abs(d).argmax()]))
 
-    def doubt(self, state: State) -> float:
-        """Return the size below which an eigenvalue of K has no sign."""
-        size = float(np.abs(state.X).max()) or 1.0
-        return HUNDREDFOLD * EPS * float(self.S.max()) + float(np.abs(state.g).max()) / size
-
-    def definite(self, state: State, sigma: float, taut: np.ndarray | None = None) -> Factor | None:
+    def _definite(self, state: State, sigma: float) -> Factor | None:
         """Return the factor of K + sigma, or None unless no eigenvalue of K is below -sigma."""
-        return self._factor(state.parts(None, taut), sigma)
+        return self._factor(state.parts(), sigma)
 
     def _factor(self, parts: Parts, shift: np.ndarray | float) -> Factor | None:
         """Return the factor of K of its parts and a shift per node, pinned if afloat, or None."""
