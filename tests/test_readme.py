@@ -18,14 +18,14 @@ from cgff_cli.cli import COMMANDS, main
 from cgff_cli.cli.common import ExitCode
 from cgff_cli.cli.comparing import RIVALS
 from cgff_cli.cli.requirements import ALLOWED, MOST_DIRECTIONS
-from cgff_cli.comparison.runs import EVALUATIONS_PER_ITERATION
 from cgff_cli.mechanics.connectivity import DENSE_ENTRIES
 from cgff_cli.options import OPTIONS
-from cgff_cli.report.result import FIELDS
+from cgff_cli.result import FIELDS
 from cgff_cli.rivals.registry import REGISTRY
 from cgff_cli.rivals.scipy_solvers import MOST_DENSE
 from cgff_cli.solvers.solution import COLUMNS
 from cgff_cli.solvers.stopping import Verdict
+from cgff_cli.study.runs import EVALUATIONS_PER_ITERATION
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from cgff_cli.bench.changes import CHANGES
-from cgff_cli.bench.expectation import BALANCED, KINDS
-from cgff_cli.bench.measure import ROW_FIELDS
-from cgff_cli.bench.record import SCHEMA
-from cgff_cli.bench.suite import cases_of, standard
+from cgff_cli.study.bench_record import SCHEMA
+from cgff_cli.study.changes import CHANGES
+from cgff_cli.study.expectation import BALANCED, KINDS
+from cgff_cli.study.measure import ROW_FIELDS
+from cgff_cli.study.suite import cases_of, standard
 from tests.studies.readme_tables import BLOCK, MAKERS, README, RECORD, filled
 from tests.test_readme import code_in, rows
 

@@ -26,8 +26,8 @@ from cgff_cli.cli.targets import Named, check_targets, files_among
 from cgff_cli.report.files import STDOUT, is_stream, write_output
 
 if TYPE_CHECKING:
-    from cgff_cli.bench.jobs import Job
-    from cgff_cli.bench.measure import Row
+    from cgff_cli.study.jobs import Job
+    from cgff_cli.study.measure import Row
 
 EPILOG = """\b
 Examples:
@@ -83,8 +83,8 @@ class Bench:
     """
 
     def __init__(self, suites: tuple[str, ...], values: dict[str, Any]):
-        from cgff_cli.bench.jobs import jobs_of
-        from cgff_cli.bench.suite import cases_of, standard
+        from cgff_cli.study.jobs import jobs_of
+        from cgff_cli.study.suite import cases_of, standard
 
         self.path = None if values["output"] == STDOUT else values["output"]
         self.form = form_of(values["output_format"], self.path, table_too=True)
@@ -130,7 +130,7 @@ class Bench:
         """Return the rows of an earlier run, without those to be measured again."""
         if self.form != "json" or self.path is None or is_stream(self.path):
             return {}
-        from cgff_cli.bench.record import kept
+        from cgff_cli.study.bench_record import kept
 
         rows = kept(self.path, self.jobs)
         for job in self.asked if again else ():
@@ -138,7 +138,7 @@ class Bench:
         return rows
 
     def _measured(self, job: "Job", number: int) -> "list[Row]":
-        from cgff_cli.bench.measure import measured
+        from cgff_cli.study.measure import measured
 
         if wanted("quiet") or not sys.stderr.isatty():
             return measured(job)
@@ -159,8 +159,8 @@ class Bench:
             from cgff_cli.report.bench_csv import bench_table
 
             return bench_table(rows)
-        from cgff_cli.bench.record import record
         from cgff_cli.report import json_out
+        from cgff_cli.study.bench_record import record
 
         return json_out.pretty(record(self.options, rows).items())
 

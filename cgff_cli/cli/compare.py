@@ -29,7 +29,7 @@ from cgff_cli.cli.targets import Named, check_targets, files_among, files_of, re
 from cgff_cli.report.files import STDOUT, write_output
 
 if TYPE_CHECKING:
-    from cgff_cli.comparison.record import Comparison
+    from cgff_cli.study.record import Comparison
 
 EPILOG = """\b
 Examples:
@@ -129,8 +129,8 @@ def _compared(
 
 def _found(path: str, values: dict[str, Any], targets: Sequence[Named]) -> "Comparison":
     """Return the comparison of one scene, showing on a terminal which method is at work."""
-    from cgff_cli.comparison.compare import compare
     from cgff_cli.scene.read import load
+    from cgff_cli.study.compare import compare
 
     scene = load(path)
     refuse_inputs(targets, ((file, f"a file of {title(path)}") for file in scene.files))

@@ -12,7 +12,7 @@ from cgff_cli.cli.targets import Named, check_targets, files_among, files_of, re
 from cgff_cli.report.files import STDOUT, is_stream, write_output
 
 if TYPE_CHECKING:
-    from cgff_cli.report.result import Result
+    from cgff_cli.result import Result
     from cgff_cli.scene.scene import Scene
 
 SUFFIXES = {".json": "json", ".csv": "csv"}

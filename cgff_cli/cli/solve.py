@@ -29,7 +29,7 @@ from cgff_cli.cli.outputs import Flags, Outputs
 from cgff_cli.cli.requirements import ALLOWED, Requirement, Requirements, judged_for, unmet
 
 if TYPE_CHECKING:
-    from cgff_cli.report.result import Result
+    from cgff_cli.result import Result
 
 EPILOG = """\b
 Examples:

@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from cgff_cli.comparison.record import Comparison, Method
 from cgff_cli.report.csv_out import columns
+from cgff_cli.study.record import Comparison, Method
 
 SCALARS = tuple(
     name

@@ -8,7 +8,6 @@ import numpy as np
 from rich.console import RenderableType
 from rich.text import Text
 
-from cgff_cli.comparison.record import Comparison, Method
 from cgff_cli.report.table import FEW
 from cgff_cli.report.terminal import (
     Column,
@@ -21,6 +20,7 @@ from cgff_cli.report.terminal import (
     rendered,
     verdict_words,
 )
+from cgff_cli.study.record import Comparison, Method
 
 ALIGNMENTS = {
     "rigid": "nearest rigid motion, mirror image allowed",

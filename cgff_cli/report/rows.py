@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from cgff_cli.report.result import Result
+from cgff_cli.result import Result
 
 COLUMNS = (
     "scene",

@@ -5,11 +5,11 @@ import re
 import pytest
 
 from cgff_cli import loads, solve
-from cgff_cli.report.result import Result
 from cgff_cli.report.rows import summary_row
 from cgff_cli.report.summary import summary_text
 from cgff_cli.report.table import FEW, analysis_words, result_text
 from cgff_cli.report.terminal import numbers
+from cgff_cli.result import Result
 from cgff_cli.solvers.stopping import Verdict
 from tests.report.conftest import MakeResult
 

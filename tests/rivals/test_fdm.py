@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import cgff_cli
-from cgff_cli.comparison.record import Method
 from cgff_cli.rivals.fdm import coordinates
 from cgff_cli.rivals.symmetry import member_classes
 from cgff_cli.scene.scene import Group, Scene
+from cgff_cli.study.record import Method
 from tests.shapes import STRUCTURES
 
 RIGHT = 1e-8

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import cgff_cli
-from cgff_cli.comparison.compare import chosen
-from cgff_cli.comparison.record import Comparison, Method
 from cgff_cli.rivals.registry import REGISTRY
+from cgff_cli.study.compare import chosen
+from cgff_cli.study.record import Comparison, Method
 from tests.bodies import scene as body
 from tests.shapes import STRUCTURES
 

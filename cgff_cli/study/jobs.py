@@ -13,11 +13,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import cgff_cli
-from cgff_cli.bench.case import Case, built
-from cgff_cli.bench.expectation import REFUSED
-from cgff_cli.comparison.compare import chosen
 from cgff_cli.errors import Problem, SceneError
 from cgff_cli.scene.scene import Scene
+from cgff_cli.study.case import Case, built
+from cgff_cli.study.compare import chosen
+from cgff_cli.study.expectation import REFUSED
 
 NOT_MEASURING = ("report", "cli")
 """Rooms whose text changes no measurement."""

@@ -7,12 +7,12 @@ from pathlib import Path
 import pytest
 
 import cgff_cli
-from cgff_cli.bench import measure
-from cgff_cli.bench.expectation import agrees
-from cgff_cli.bench.jobs import Job, jobs_of, machine
-from cgff_cli.bench.measure import ROW_FIELDS, measured
-from cgff_cli.bench.suite import cases_of
 from cgff_cli.rivals.trace import TOLERANCES
+from cgff_cli.study import measure
+from cgff_cli.study.expectation import agrees
+from cgff_cli.study.jobs import Job, jobs_of, machine
+from cgff_cli.study.measure import ROW_FIELDS, measured
+from cgff_cli.study.suite import cases_of
 from tests.shapes import STRUCTURES
 
 MakeJob = Callable[..., Job]

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import cgff_cli
-from cgff_cli.comparison.alignment import affinely, aligned, distance_difference, rigidly
-from cgff_cli.comparison.record import Comparison
 from cgff_cli.rivals.trace import TOLERANCES
+from cgff_cli.study.alignment import affinely, aligned, distance_difference, rigidly
+from cgff_cli.study.record import Comparison
 from tests.shapes import STRUCTURES
 
 PRISM = STRUCTURES / "prism.yaml"

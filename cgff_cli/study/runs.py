@@ -4,7 +4,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cgff_cli.comparison.alignment import affinely, aligned, largest_move, size
 from cgff_cli.errors import CgffError
 from cgff_cli.mechanics.state import Mechanics
 from cgff_cli.options import SolveOptions
@@ -13,6 +12,7 @@ from cgff_cli.rivals.task import End, Reference, Task
 from cgff_cli.rivals.trace import Stop, Trace
 from cgff_cli.solvers.stopping import Gauge, Watch
 from cgff_cli.structure import Structure
+from cgff_cli.study.alignment import affinely, aligned, largest_move, size
 
 EVALUATIONS_PER_ITERATION = 50
 """Evaluations a rival may take for every iteration that the option max_iterations gives CGFF."""

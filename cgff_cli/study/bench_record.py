@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from cgff_cli import TOOL
-from cgff_cli.bench.jobs import Job, machine
-from cgff_cli.bench.measure import Row
 from cgff_cli.errors import OptionError
+from cgff_cli.study.jobs import Job, machine
+from cgff_cli.study.measure import Row
 
 SCHEMA = "cgff-bench/1"
 

@@ -5,7 +5,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from cgff_cli.bench.changes import chain, changed
 from cgff_cli.errors import CgffError, OptionError, Problem, SceneError
 from cgff_cli.scene.fields import is_absent, option_value
 from cgff_cli.scene.findings import Findings, Mark, Where
@@ -15,6 +14,7 @@ from cgff_cli.scene.read import from_dict, load
 from cgff_cli.scene.scene import Scene
 from cgff_cli.scene.schema import SCENE_KEYS, read_scene
 from cgff_cli.scene.shipped import shipped
+from cgff_cli.study.changes import chain, changed
 
 SOURCES = {
     "structure": ("structure",),

@@ -5,10 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from cgff_cli.comparison.alignment import alignment_of
-from cgff_cli.comparison.judge import Answer, judged, nodes, solution_at
-from cgff_cli.comparison.record import Comparison, Method
-from cgff_cli.comparison.runs import Case, Run, run
 from cgff_cli.errors import OptionError
 from cgff_cli.options import SolveOptions
 from cgff_cli.rivals.registry import REGISTRY
@@ -18,6 +14,10 @@ from cgff_cli.solvers import cgff
 from cgff_cli.solvers.solution import Solution
 from cgff_cli.solvers.stopping import Verdict
 from cgff_cli.structure import Structure, from_scene
+from cgff_cli.study.alignment import alignment_of
+from cgff_cli.study.judge import Answer, judged, nodes, solution_at
+from cgff_cli.study.record import Comparison, Method
+from cgff_cli.study.runs import Case, Run, run
 
 TOLERANCE = 1e-12
 """Where all methods stop unless told otherwise: the last point of the curves."""

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from cgff_cli.report.result import Result
+from cgff_cli.result import Result
 from cgff_cli.scene.fields import found
 from cgff_cli.solvers.stopping import Verdict
 

@@ -7,15 +7,15 @@ from typing import NamedTuple
 import numpy as np
 
 from cgff_cli.analysis.equilibrium import analysed
-from cgff_cli.comparison.alignment import aligned, distance_difference, largest_move
-from cgff_cli.comparison.record import Method, Nodes, Point, ShapePoint
-from cgff_cli.comparison.runs import Case, Run
 from cgff_cli.mechanics.state import Mechanics
 from cgff_cli.rivals.registry import REGISTRY
 from cgff_cli.rivals.trace import TOLERANCES, Mark
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers.solution import Solution
 from cgff_cli.solvers.stopping import Verdict
+from cgff_cli.study.alignment import aligned, distance_difference, largest_move
+from cgff_cli.study.record import Method, Nodes, Point, ShapePoint
+from cgff_cli.study.runs import Case, Run
 
 CONVERGED = (Verdict.CONVERGED, Verdict.ROUNDING_FLOOR, "other_equilibrium")
 """Verdicts that stand for an equilibrium: of the scene, or of a method's own force densities."""

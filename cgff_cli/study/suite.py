@@ -5,9 +5,6 @@ from collections.abc import Iterable, Mapping
 from itertools import islice
 from typing import Any
 
-from cgff_cli.bench.case import SOURCES, Case, meant
-from cgff_cli.bench.changes import CHANGES
-from cgff_cli.bench.expectation import outcome_fault
 from cgff_cli.errors import OptionError, Problem, SceneError
 from cgff_cli.options import OPTIONS, checked
 from cgff_cli.scene.fields import found, is_absent, mapping
@@ -18,6 +15,9 @@ from cgff_cli.scene.schema import SCENE_KEYS
 from cgff_cli.scene.shipped import shipped
 from cgff_cli.scene.text import read_text, reason
 from cgff_cli.scene.yaml_text import yaml_events
+from cgff_cli.study.case import SOURCES, Case, meant
+from cgff_cli.study.changes import CHANGES
+from cgff_cli.study.expectation import outcome_fault
 
 NOTES = ("source", "covers", "slow", "reference", "near", "same_iterations_as", "wrong")
 """Keys of a case for its readers and for tests of its answer; measuring ignores them."""

@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 
 from cgff_cli import pipeline
-from cgff_cli.bench.expectation import REFUSED, as_expected, outcome
-from cgff_cli.bench.jobs import Job, own_method
-from cgff_cli.comparison.alignment import aligned, alignment_of, distance_difference, largest_move, size
-from cgff_cli.comparison.compare import Observer, compare
-from cgff_cli.comparison.record import Comparison, Method
 from cgff_cli.options import OPTIONS
 from cgff_cli.structure import from_scene
+from cgff_cli.study.alignment import aligned, alignment_of, distance_difference, largest_move, size
+from cgff_cli.study.compare import Observer, compare
+from cgff_cli.study.expectation import REFUSED, as_expected, outcome
+from cgff_cli.study.jobs import Job, own_method
+from cgff_cli.study.record import Comparison, Method
 
 Row = dict[str, Any]
 
