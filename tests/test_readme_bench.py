@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from cgff_cli.study.bench_record import SCHEMA
+from cgff_cli.study.bench import BENCH_SCHEMA
 from cgff_cli.study.changes import CHANGES
-from cgff_cli.study.expectation import BALANCED, KINDS
+from cgff_cli.study.expectation import BALANCED, STABILITIES
 from cgff_cli.study.measure import ROW_FIELDS
 from cgff_cli.study.suite import cases_of, standard
 from tests.studies.readme_tables import BLOCK, MAKERS, README, RECORD, filled
@@ -32,7 +32,7 @@ def test_another_figure_would_be_seen():
 
 
 def test_the_record_is_of_the_suite_that_comes_with_the_program_by_all_methods():
-    assert (RECORDED["schema"], RECORDED["options"]) == (SCHEMA, {"methods": ["all"]})
+    assert (RECORDED["schema"], RECORDED["options"]) == (BENCH_SCHEMA, {"methods": ["all"]})
     assert all(tuple(row) == ROW_FIELDS for row in RECORDED["rows"])
     names = list(dict.fromkeys(row["case"] for row in RECORDED["rows"]))
     assert names == [case.id for case in cases_of([standard()])]
@@ -54,7 +54,7 @@ def test_the_changes_and_outcomes_of_a_suite_are_those_of_the_program():
     words = re.sub(r"^```.*?^```$", "", TEXT, flags=re.MULTILINE | re.DOTALL)
     named = set(code_in(words[words.index("### Bench\n") : words.index("## Results\n")]))
     assert set(CHANGES) <= named
-    assert {f"{word}-" for word in ("balanced", *BALANCED)} | set(KINDS) <= named
+    assert {f"{word}-" for word in ("balanced", *BALANCED)} | set(STABILITIES) <= named
 
 
 def test_the_suite_shown_can_be_measured(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

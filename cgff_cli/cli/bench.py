@@ -26,8 +26,7 @@ from cgff_cli.cli.targets import Named, check_targets, files_among
 from cgff_cli.report.files import STDOUT, is_stream, write_output
 
 if TYPE_CHECKING:
-    from cgff_cli.study.jobs import Job
-    from cgff_cli.study.measure import Row
+    from cgff_cli.study.measure import Job, Row
 
 EPILOG = """\b
 Examples:
@@ -83,7 +82,7 @@ class Bench:
     """
 
     def __init__(self, suites: tuple[str, ...], values: dict[str, Any]):
-        from cgff_cli.study.jobs import jobs_of
+        from cgff_cli.study.measure import jobs_of
         from cgff_cli.study.suite import cases_of, standard
 
         self.path = None if values["output"] == STDOUT else values["output"]
@@ -130,7 +129,7 @@ class Bench:
         """Return the rows of an earlier run, without those to be measured again."""
         if self.form != "json" or self.path is None or is_stream(self.path):
             return {}
-        from cgff_cli.study.bench_record import kept
+        from cgff_cli.study.bench import kept
 
         rows = kept(self.path, self.jobs)
         for job in self.asked if again else ():
@@ -160,7 +159,7 @@ class Bench:
 
             return bench_table(rows)
         from cgff_cli.report import json_out
-        from cgff_cli.study.bench_record import record
+        from cgff_cli.study.bench import record
 
         return json_out.pretty(record(self.options, rows).items())
 

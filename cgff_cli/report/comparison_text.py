@@ -43,7 +43,7 @@ def comparison_text(
 
 
 def _page(comparison: Comparison, full: bool) -> Iterator[RenderableType]:
-    shown = [method for method in comparison.methods if method.nodes is not None]
+    shown = [method for method in comparison.methods if method.X is not None]
     yield Text.assemble((clean(comparison.source.name), "bold"), "  ", (_size(comparison), "dim"))
     yield Text("")
     yield from aligned(list(_outcomes(comparison.methods)))
@@ -104,12 +104,9 @@ def _cell(value: Any, text: Callable[[Any], str]) -> str:
 def _coordinates(comparison: Comparison, shown: Sequence[Method]) -> Iterator[RenderableType]:
     """Yield one table per axis: a row per node, a column per method."""
     names = comparison.source.node_names
-    shapes = [np.array([(method.nodes or {})[name] for name in names]) for method in shown]
+    shapes = [(method.name, method.X) for method in shown if method.X is not None]
     for k, axis in enumerate("xyz"[: comparison.source.dimension]):
-        columns = [
-            Column(method.name, numbers(X[:, k].tolist()), True)
-            for method, X in zip(shown, shapes, strict=True)
-        ]
+        columns = [Column(name, numbers(X[:, k].tolist()), True) for name, X in shapes]
         yield from aligned([Column(axis, [clean(name) for name in names]), *columns])
         yield Text("")
 
@@ -144,13 +141,13 @@ def _labels(comparison: Comparison, title: str) -> Iterator[Column]:
 
 def _values(shown: Sequence[Method], name: str) -> Iterator[Column]:
     for method in shown:
-        yield Column(method.name, numbers(getattr(method, name)), True)
+        yield Column(method.name, numbers(getattr(method, name).tolist()), True)
 
 
 def _span(method: Method, rows: slice) -> str:
     """Return `least .. largest`, or one value where they look the same."""
-    values = (method.force_densities or [])[rows]
-    low, high = numbers([min(values), max(values)])
+    values = np.asarray(method.force_densities)[rows]
+    low, high = numbers([float(values.min()), float(values.max())])
     return high if low == high else f"{low} .. {high}"
 
 

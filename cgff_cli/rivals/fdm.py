@@ -26,7 +26,7 @@ from cgff_cli.mechanics.equilibrium import equilibrium_matrix, force_density_mat
 from cgff_cli.rivals.symmetry import member_classes
 from cgff_cli.rivals.task import End, Task
 
-VANISHED = 1e-13
+NULL = 1e-13
 """Eigenvalues of D, and singular values of U, are zero below this share of the largest."""
 
 NEAR = 2.0
@@ -93,9 +93,9 @@ def _rounds(task: Task, classes: np.ndarray) -> Iterator[_Form]:
     spread = _spread(classes)
     q = prototype
     for _ in range(MOST_ROUNDS):
-        X, left = coordinates(force_density_matrix(rho_t, q), d)
+        X, left = unit_coordinates(force_density_matrix(rho_t, q), d)
         stresses = equilibrium_matrix(rho_t, X.T @ rho_t) @ spread
-        if left <= VANISHED:
+        if left <= NULL:
             yield _Form(X, q, _fault(X, rho_t, q, prototype, stresses))
             return
         yield _Form(X, q, f"{left:.0e} of the rank of D left after {MOST_ROUNDS} rounds")
@@ -110,7 +110,7 @@ def _spread(classes: np.ndarray) -> np.ndarray:
     return spread / np.sqrt(spread.sum(axis=0))
 
 
-def coordinates(D: np.ndarray, d: int) -> tuple[np.ndarray, float]:
+def unit_coordinates(D: np.ndarray, d: int) -> tuple[np.ndarray, float]:
     """Return (n, m) coordinates of unit spread and the largest of the d least eigenvalues, relative.
 
     The constant vector, of eigenvalue 0, is set apart: where D has negative eigenvalues it need not be
@@ -131,7 +131,7 @@ def _nearest(stresses: np.ndarray, prototype: np.ndarray) -> np.ndarray:
     sizes[: len(singular)] = singular
     share = rows @ prototype
     seen = np.abs(share) > BLIND * np.linalg.norm(prototype)
-    near = seen & (sizes <= max(NEAR * float(sizes[seen].min()), VANISHED * float(sizes.max())))
+    near = seen & (sizes <= max(NEAR * float(sizes[seen].min()), NULL * float(sizes.max())))
     return np.asarray(rows[near].T @ share[near])
 
 

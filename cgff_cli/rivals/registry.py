@@ -24,8 +24,8 @@ class Entry(NamedTuple):
 
 
 REGISTRY = {
-    "cgff": Entry(own.energy, "CGFF on the energy", judges_itself=True),
-    "cgff-residual": Entry(own.residual, "CGFF on eq. (10)", judges_itself=True),
+    "cgff": Entry(own.cgff, "CGFF on the energy", judges_itself=True),
+    "cgff-residual": Entry(own.cgff_residual, "CGFF on eq. (10)", judges_itself=True),
     "table1": Entry(own.table1, "the paper's Table I to the letter", judges_itself=True),
     "fdm": Entry(
         fdm, "form-finding from connectivity and signs (Estrada)", judges_itself=True, is_affine=True

@@ -1,8 +1,7 @@
 """What a rival is given, and what it gives back."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -35,23 +34,14 @@ class End(NamedTuple):
     force_densities: np.ndarray | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class Task:
-    """One structure to form-find.
-
-    groups : (b,) int, the scene's group of every element
-    """
+class Task(NamedTuple):
+    """One structure to form-find; groups: (b,) int, the scene's group of every element."""
 
     structure: Structure
     groups: np.ndarray
     options: SolveOptions
     trace: Trace
     reference: Reference
-
-    @cached_property
-    def local(self) -> Structure:
-        """The structure about the centroid of its start."""
-        return centred(self.structure)
 
 
 Rival = Callable[[Task], End]
@@ -84,10 +74,6 @@ class Unknowns:
         """Return minus the out-of-balance forces on the free coordinates, (f,)."""
         return state.g.reshape(-1)[self.mechanics.dofs]
 
-    def shape(self, state: State) -> np.ndarray:
-        """Return a state's shape (n, d) in the user's units."""
-        return self.mechanics.shape(state.X)
-
     def add(self, iterations: int | None, evaluations: int, state: State) -> None:
         """Note a state in the trace."""
-        self.trace.add(iterations, evaluations, self.shape(state))
+        self.trace.add(iterations, evaluations, self.mechanics.shape(state.X))

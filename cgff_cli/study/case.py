@@ -24,8 +24,6 @@ SOURCES = {
 }
 """Where a scene may come from unless it is written out -> the keys that belong to it."""
 
-Place = Callable[[Where, bool], Mark]
-
 
 @dataclass(frozen=True, eq=False)
 class Case:
@@ -41,7 +39,7 @@ class Case:
     suite: str | None
     scene: dict[str, Any]
     path: str
-    place: Place
+    place: Callable[[Where, bool], Mark]
     options: dict[str, Any] = field(default_factory=dict)
     expect: dict[str, Any] = field(default_factory=dict)
     notes: dict[str, Any] = field(default_factory=dict)

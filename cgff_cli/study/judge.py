@@ -1,27 +1,31 @@
 """From where a method came to, the facts of its row: all methods by the same rules."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from statistics import median
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
 from cgff_cli.analysis.equilibrium import analysed
 from cgff_cli.mechanics.state import Mechanics
 from cgff_cli.rivals.registry import REGISTRY
-from cgff_cli.rivals.trace import TOLERANCES, Mark
+from cgff_cli.rivals.task import End
+from cgff_cli.rivals.trace import TOLERANCES, AtResidual, AtShape
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers.solution import Solution
 from cgff_cli.solvers.stopping import Verdict
-from cgff_cli.study.alignment import aligned, distance_difference, largest_move
-from cgff_cli.study.record import Method, Nodes, Point, ShapePoint
-from cgff_cli.study.runs import Case, Run
+from cgff_cli.study.alignment import distance_difference, laid_over, largest_move, size
+from cgff_cli.study.record import Method
+from cgff_cli.study.runs import Attempt, Setting
 
 CONVERGED = (Verdict.CONVERGED, Verdict.ROUNDING_FLOOR, "other_equilibrium")
 """Verdicts that stand for an equilibrium: of the scene, or of a method's own force densities."""
 
 EXACT = 2.0**12
 """Rounding floors of force that a shape right to about 1e-12 of its size may leave out of balance."""
+
+At = TypeVar("At", AtResidual, AtShape)
 
 
 class Answer(NamedTuple):
@@ -32,70 +36,74 @@ class Answer(NamedTuple):
     force_densities: np.ndarray
 
 
-def solution_at(case: Case, X: np.ndarray) -> Solution:
-    """Return the Solution that a shape (n, d) about the centroid of the start amounts to."""
-    mechanics = Mechanics(case.structure)
-    tolerance = case.options.tolerance
-    found = Solution(mechanics.at(mechanics.moving(X)), Verdict.STEP_VANISHED, tolerance, 0)
-    if found.relative <= tolerance:
-        return replace(found, verdict=Verdict.CONVERGED)
-    return replace(found, verdict=Verdict.ROUNDING_FLOOR) if found.balance.at_floor else found
+def answer_of(setting: Setting, own: Attempt) -> Answer | None:
+    """Return what CGFF's own first run came to."""
+    if own.end is None:
+        return None
+    found = _solution_at(setting, own.end.X)
+    return Answer(found.shape, found.lengths, found.force_densities)
 
 
-def judged(scene: Scene, case: Case, name: str, runs: list[Run], cgff: Answer | None) -> Method:
-    """Return the row of a method from its runs; the first tells, all are timed."""
+def judged(scene: Scene, setting: Setting, name: str, runs: list[Attempt], cgff: Answer | None) -> Method:
+    """Return the row of a method from its runs; the first tells, all are timed.
+
+    cgff : what it is held against, None for CGFF itself
+    """
     end = runs[0].end
     if end is None or not np.isfinite(end.X).all():
         verdict = "failed" if end is None else end.verdict
         return Method(name, verdict, False, runs[0].failure or "its shape has no finite size")
-    alignment = "affine" if REGISTRY[name].is_affine else case.alignment
-    X = end.X if cgff is None else aligned(end.X, cgff.X, alignment)
-    solution = solution_at(case, X if alignment == "affine" else end.X)
-    verdict, message = _verdict(solution, end.verdict, end.message, case.time_limit)
-    stable = None
-    if verdict in (Verdict.CONVERGED, Verdict.ROUNDING_FLOOR):
-        balanced = replace(solution, verdict=Verdict(verdict))
-        stable = analysed(scene, balanced, case.options)["stable"]
+    alignment = "affine" if REGISTRY[name].is_affine else setting.alignment
+    X = end.X if cgff is None else laid_over(end.X, cgff.X, alignment)
+    solution = _solution_at(setting, X if alignment == "affine" else end.X)
+    verdict, message = _verdict(solution, end, setting.time_limit)
     lengths, q = solution.lengths, solution.force_densities
     if end.force_densities is not None:
         q = _scaled(end.force_densities, cgff) if alignment == "affine" else end.force_densities
+    own, placed = cgff or Answer(X, lengths, q), solution.placed(X)
     return Method(
-        name,
-        verdict,
-        verdict in CONVERGED,
-        message,
-        stable,
-        runs[0].trace.iterations,
-        runs[0].trace.evaluations,
-        median(run.seconds for run in runs),
-        solution.relative,
-        solution.energy,
-        alignment,
-        nodes(scene, solution.placed(X)),
-        lengths.tolist(),
-        q.tolist(),
-        *_differences(X, lengths, q, cgff or Answer(X, lengths, q)),
-        tuple(_curve([run.trace.by_residual for run in runs])),
-        tuple(_shape_curve([run.trace.by_shape for run in runs])),
+        name=name,
+        verdict=verdict,
+        converged=verdict in CONVERGED,
+        message=message,
+        stable=_stable(scene, setting, solution, verdict),
+        iterations=runs[0].trace.iterations,
+        evaluations=runs[0].trace.evaluations,
+        seconds=median(run.seconds for run in runs),
+        residual_relative=solution.relative,
+        energy=solution.energy,
+        alignment=alignment,
+        X=placed,
+        lengths=lengths,
+        force_densities=q,
+        max_node_difference=largest_move(X, own.X),
+        max_length_difference=float(np.abs(lengths - own.lengths).max()),
+        max_force_density_difference=float(np.abs(q - own.force_densities).max()),
+        distance_matrix_difference=distance_difference(X, own.X),
+        curve=_medians(AtResidual, [run.trace.by_residual for run in runs]),
+        shape_curve=_medians(AtShape, [run.trace.by_shape for run in runs]),
+        shape_error=_shape_error(placed, alignment, setting),
+        node_names=scene.node_names,
     )
 
 
-def nodes(scene: Scene, X: np.ndarray) -> Nodes:
-    """Return positions (n, d) by node name."""
-    return dict(zip(scene.node_names, X.tolist(), strict=True))
+def _solution_at(setting: Setting, X: np.ndarray) -> Solution:
+    """Return the Solution that a shape (n, d) about the centroid of the start amounts to."""
+    mechanics, tolerance = Mechanics(setting.structure), setting.options.tolerance
+    found = Solution(mechanics.at(mechanics.moving(X)), Verdict.STEP_VANISHED, tolerance, 0)
+    return replace(found, verdict=found.balance.reached(tolerance) or found.verdict)
 
 
-def _verdict(solution: Solution, ended: str, message: str, time_limit: float) -> tuple[str, str]:
+def _verdict(solution: Solution, end: End, time_limit: float) -> tuple[str, str]:
     """Return the verdict and a sentence on it: what the forces say first, then what the method says."""
+    ended, message, formed = end.verdict, end.message, end.verdict == "form_found"
     if solution.verdict.converged:
-        own = f" ({message})" if ended == "form_found" else ""
-        return solution.verdict.value, solution.message + own
+        return solution.verdict.value, solution.message + (f" ({message})" if formed else "")
     left = f"out-of-balance force {solution.relative:.1e} of the largest force"
-    if ended == "form_found" and _is_rounding(solution):
-        return Verdict.ROUNDING_FLOOR.value, (
-            f"equilibrium to the rounding of its coordinates: {left} ({message})"
-        )
-    if ended == "form_found":
+    if formed and solution.residual_max <= EXACT * solution.floor:
+        words = f"equilibrium to the rounding of its coordinates: {left} ({message})"
+        return Verdict.ROUNDING_FLOOR.value, words
+    if formed:
         return "other_equilibrium", (
             f"a self-stressed form of this connectivity, {message}, which the scene's EA and rest lengths "
             f"do not hold: {left}"
@@ -109,9 +117,13 @@ def _verdict(solution: Solution, ended: str, message: str, time_limit: float) ->
     return ended, message or f"no equilibrium: {left}"
 
 
-def _is_rounding(solution: Solution) -> bool:
-    """Return whether a shape that was not found from the scene's forces balances them all the same."""
-    return solution.residual_max <= EXACT * solution.floor
+def _stable(scene: Scene, setting: Setting, solution: Solution, verdict: str) -> bool | None:
+    """Return whether an equilibrium of the scene is stable; None where it is none, or that is not known."""
+    if verdict not in CONVERGED[:2]:
+        return None
+    balanced = replace(solution, verdict=Verdict(verdict))
+    stable: bool | None = analysed(scene, balanced, setting.options)["stable"]
+    return stable
 
 
 def _scaled(q: np.ndarray, cgff: Answer | None) -> np.ndarray:
@@ -119,40 +131,21 @@ def _scaled(q: np.ndarray, cgff: Answer | None) -> np.ndarray:
     return q if cgff is None else q * float(q @ cgff.force_densities) / float(q @ q)
 
 
-def _differences(
-    X: np.ndarray, lengths: np.ndarray, q: np.ndarray, cgff: Answer
-) -> tuple[float, float, float, float | None]:
-    return (
-        largest_move(X, cgff.X),
-        float(np.abs(lengths - cgff.lengths).max()),
-        float(np.abs(q - cgff.force_densities).max()),
-        distance_difference(X, cgff.X),
-    )
+def _shape_error(X: np.ndarray, alignment: str, setting: Setting) -> float:
+    """Return the largest distance of a node from its place in the reference, over the structure's size.
+
+    A form known up to an affine map already lies where CGFF's answer is.
+    """
+    target = setting.best.coordinates
+    laid = X if alignment == "affine" else laid_over(X, target, setting.alignment)
+    return largest_move(laid, target) / size(target)
 
 
-def _curve(runs: list[dict[float, Mark]]) -> list[Point]:
-    return [
-        Point(tolerance, mark.iterations, seconds, mark.shape_error)
-        if mark
-        else Point(tolerance, None, None, None)
-        for tolerance, mark, seconds in _medians(runs)
-    ]
-
-
-def _shape_curve(runs: list[dict[float, Mark]]) -> list[ShapePoint]:
-    return [
-        ShapePoint(tolerance, mark.iterations, seconds, mark.residual)
-        if mark
-        else ShapePoint(tolerance, None, None, None)
-        for tolerance, mark, seconds in _medians(runs)
-    ]
-
-
-def _medians(runs: list[dict[float, Mark]]) -> list[tuple[float, Mark | None, float | None]]:
-    """Return for each tolerance the first run's mark and the median time of all that reached it."""
-    rows: list[tuple[float, Mark | None, float | None]] = []
+def _medians(at: Callable[[float], At], runs: Sequence[dict[float, At]]) -> tuple[At, ...]:
+    """Return what the first run passed, at each tolerance, with the median time of all that reached it."""
+    found = []
     for tolerance in TOLERANCES:
-        reached = [run[tolerance].seconds for run in runs if tolerance in run]
-        mark = runs[0].get(tolerance)
-        rows.append((tolerance, mark, median(reached) if mark else None))
-    return rows
+        reached = [run[tolerance].seconds or 0.0 for run in runs if tolerance in run]
+        first = runs[0].get(tolerance)
+        found.append(first._replace(seconds=median(reached)) if first else at(tolerance))
+    return tuple(found)

@@ -9,8 +9,7 @@ from pathlib import Path
 import pytest
 
 from cgff_cli.study import measure
-from cgff_cli.study.jobs import TIME_LIMIT
-from cgff_cli.study.measure import ROW_FIELDS
+from cgff_cli.study.measure import ROW_FIELDS, TIME_LIMIT
 from tests.cli.conftest import Run
 
 HARD = Path(__file__).parents[1] / "hard"

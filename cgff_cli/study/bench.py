@@ -7,24 +7,19 @@ from typing import Any
 
 from cgff_cli import TOOL
 from cgff_cli.errors import OptionError
-from cgff_cli.study.jobs import Job, machine
-from cgff_cli.study.measure import Row
+from cgff_cli.study.digest import machine
+from cgff_cli.study.machine import Digested, Row
 
-SCHEMA = "cgff-bench/1"
+BENCH_SCHEMA = "cgff-bench/1"
 
 
 def record(options: Mapping[str, Any], rows: Iterable[Row]) -> dict[str, Any]:
     """Return every field of the JSON, in the order it is written; options are those of the command line."""
-    return {
-        "schema": SCHEMA,
-        "tool": dict(TOOL),
-        "machine": machine(),
-        "options": dict(options),
-        "rows": list(rows),
-    }
+    told = {"schema": BENCH_SCHEMA, "tool": dict(TOOL), "machine": machine()}
+    return told | {"options": dict(options), "rows": list(rows)}
 
 
-def kept(path: str, jobs: Iterable[Job]) -> dict[str, list[Row]]:
+def kept(path: str, jobs: Iterable[Digested]) -> dict[str, list[Row]]:
     """Return digest -> rows of the jobs that an earlier record at a path holds; none where there is none.
 
     Raises OptionError where the file is something else, which must not be written over.
@@ -36,11 +31,13 @@ def kept(path: str, jobs: Iterable[Job]) -> dict[str, list[Row]]:
     try:
         with open(path, encoding="utf-8") as file:
             earlier = json.load(file)
-        if earlier["schema"] != SCHEMA:
+        if earlier["schema"] != BENCH_SCHEMA:
             raise KeyError("schema")
         for row in earlier["rows"]:
             if row["digest"] in known:
                 found.setdefault(row["digest"], []).append(row)
     except (OSError, ValueError, KeyError, TypeError):
-        raise OptionError(f"{path} is there and holds no {SCHEMA}; name another file, or remove it") from None
+        raise OptionError(
+            f"{path} is there and holds no {BENCH_SCHEMA}; name another file, or remove it"
+        ) from None
     return found
