@@ -11,11 +11,9 @@ import os
 import signal
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from functools import partial
-from multiprocessing import active_children, get_context
-from typing import Any, Generic, NamedTuple, Protocol, TypeVar
+from typing import Any, Generic, NamedTuple, Protocol, TypeVar, cast
 
 Row = dict[str, Any]
 """One line of a table: plain values, or arrays, by name."""
@@ -44,21 +42,25 @@ Begin = Callable[[Callable[[J], R], J], Callable[[], R]]
 
 
 class Done(NamedTuple, Generic[J, R]):
-    """What became of a job: what the work returned, or the error that ended it.
+    """What became of a job.
 
-    is_new : worked out in this run
+    found        : what the work returned; None where it did not
+    error        : what it raised instead, unless that was an interrupt
+    is_interrupt : Ctrl-C ended it
+    is_new       : it was worked out in this run
     """
 
     job: J
-    found: R | None
-    error: BaseException | None = None
+    found: R
+    error: Exception | None = None
+    is_interrupt: bool = False
     is_new: bool = True
 
 
 def done(
     jobs: Iterable[J], work: Callable[[J], R], known: Mapping[str, R] | None = None, processes: int = 1
 ) -> Iterator[Done[J, R]]:
-    """Yield what became of each job, in order; an interrupt is an error too, and the last that is yielded.
+    """Yield what became of each job, in order; nothing after an interrupt.
 
     work      : what to do with a job; with several processes it can be pickled, as can jobs and findings
     known     : digest -> what the work returned in an earlier run, not done again
@@ -71,11 +73,11 @@ def done(
             waiting.append((job, None if job.digest in known else begin(work, job)))
             while len(waiting) > (0 if processes == 1 else AHEAD * processes):
                 yield (last := _ended(*waiting.popleft(), known))
-                if isinstance(last.error, KeyboardInterrupt):
+                if last.is_interrupt:
                     return
         for job, get in waiting:
             yield (last := _ended(job, get, known))
-            if isinstance(last.error, KeyboardInterrupt):
+            if last.is_interrupt:
                 return
 
 
@@ -84,8 +86,10 @@ def _ended(job: J, get: Callable[[], R] | None, known: Mapping[str, R]) -> Done[
         return Done(job, known[job.digest], is_new=False)
     try:
         return Done(job, get())
-    except (Exception, KeyboardInterrupt) as error:
-        return Done(job, None, error)
+    except KeyboardInterrupt:
+        return Done(job, cast(R, None), is_interrupt=True)
+    except Exception as error:
+        return Done(job, cast(R, None), error)
 
 
 @contextmanager
@@ -97,6 +101,9 @@ def _begin(processes: int) -> Iterator[Callable[..., Callable[[], Any]]]:
     if processes == 1:
         yield partial
         return
+    from concurrent.futures import ProcessPoolExecutor
+    from multiprocessing import active_children, get_context
+
     os.environ.update(ONE_THREAD)  # for the workers: what this process has loaded does not look again
     others = set(active_children())
     pool = ProcessPoolExecutor(processes, get_context("spawn"))
