@@ -22,7 +22,7 @@ JOURNAL = ".cgff-rows.jsonl"
 """The file in a folder of results from where --resume goes on."""
 
 
-class Solved(NamedTuple):
+class Kept(NamedTuple):
     """What is left of a scene that was solved and written; text: its piece of standard output, if not out."""
 
     row: "Row"
@@ -44,7 +44,7 @@ class Solving:
         forms = sorted({file.form for files in self.outputs.files.values() for file in files})
         return [self.options, [own.words for own in self.required], forms]
 
-    def __call__(self, job: "SceneJob") -> Solved:
+    def __call__(self, job: "SceneJob") -> Kept:
         """Solve and write a scene."""
         from cgff_cli.study.scenes import summary_row
 
@@ -54,7 +54,7 @@ class Solving:
             write_output(STDOUT, pieces)
         lacking = unmet(result, self.required) if result.converged else []
         row = summary_row(title(job.path), result) | {"lacking": lacking}
-        return Solved(row, "".join(pieces) if self.apart else "")
+        return Kept(row, "".join(pieces) if self.apart else "")
 
     def _result(self, path: str) -> "Result":
         from cgff_cli import pipeline
@@ -72,7 +72,7 @@ class Solving:
 
 def earlier(
     scenes: Sequence[str], work: Solving, folder: str | None
-) -> "tuple[list[SceneJob], MutableMapping[str, Row], dict[str, Solved]]":
+) -> "tuple[list[SceneJob], MutableMapping[str, Row], dict[str, Kept]]":
     """Return the jobs, where their rows are kept, and what is there of them; folder: where a run goes on."""
     from cgff_cli.study.scenes import SceneJob, resumable
 
@@ -82,10 +82,10 @@ def earlier(
 
     jobs, journal = list(resumable(scenes, work.asked)), Journal(os.path.join(folder, JOURNAL))
     left = [job for job in jobs if job.digest in journal and work.outputs.are_there(job.path)]
-    return jobs, journal, {job.digest: Solved(journal[job.digest]) for job in left}
+    return jobs, journal, {job.digest: Kept(journal[job.digest]) for job in left}
 
 
-def watched(found: "Iterator[Done[SceneJob, Solved]]", count: int, processes: int) -> Iterator[Any]:
+def watched(found: "Iterator[Done[SceneJob, Kept]]", count: int, processes: int) -> Iterator[Any]:
     """Yield what became of scenes; where others work, show on a terminal how far they are meanwhile."""
     if processes == 1 or wanted("quiet") or not sys.stderr.isatty():
         yield from found
@@ -99,7 +99,7 @@ def watched(found: "Iterator[Done[SceneJob, Solved]]", count: int, processes: in
         yield ended
 
 
-def took(ended: "Done[SceneJob, Solved]", outputs: Outputs, journal: "MutableMapping[str, Row]") -> ExitCode:
+def took(ended: "Done[SceneJob, Kept]", outputs: Outputs, journal: "MutableMapping[str, Row]") -> ExitCode:
     """Take what became of a scene; what went wrong with it is told and stops no other."""
     if ended.is_interrupt:  # outside the solver, which keeps what it has reached
         say("cgff: interrupted")
