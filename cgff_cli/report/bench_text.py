@@ -1,12 +1,13 @@
 """The rows of a bench for the terminal: a block per case, and what all of them say together."""
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from rich.console import RenderableType
 from rich.text import Text
 
+from cgff_cli.report.cells import column, stabilities, verdicts
 from cgff_cli.report.terminal import (
     Column,
     aligned,
@@ -15,7 +16,6 @@ from cgff_cli.report.terminal import (
     duration,
     fields,
     rendered,
-    verdict_words,
 )
 from cgff_cli.study.machine import Row
 
@@ -76,31 +76,25 @@ def _case(rows: Sequence[Row]) -> Iterator[RenderableType]:
     judged = {True: ", as expected", False: ", not as expected", None: ""}
     word = next((row["as_expected"] for row in rows if row["as_expected"] is not None), None)
     yield Text.assemble((clean(first["case"]), "bold"), "  ", (size + judged[word], "dim"))
-    verdicts = [verdict_words(row["verdict"]) for row in rows]
-    stable = {True: "stable", False: "not stable", None: "-"}
     yield from aligned(
         [
-            Column("method", [row["method"] for row in rows]),
-            Column("verdict", [words for words, _ in verdicts], styles=[style for _, style in verdicts]),
-            Column("stability", [stable[row["stable"]] for row in rows]),
-            _column("residual", rows, "residual_relative", "{:.1e}".format),
-            _column("shape", rows, "shape_error", "{:.1e}".format),
-            _column("iterations", rows, "iterations", str),
+            Column("method", _of(rows, "method")),
+            verdicts(_of(rows, "verdict")),
+            stabilities(_of(rows, "stable")),
+            column("residual", _of(rows, "residual_relative"), "{:.1e}".format),
+            column("shape", _of(rows, "shape_error"), "{:.1e}".format),
+            column("iterations", _of(rows, "iterations")),
             *(
-                Column(f"to {tolerance}", [_cell(seconds_to(row, tolerance), duration) for row in rows], True)
-                for tolerance in SHOWN
+                column(f"to {within}", [seconds_to(row, within) for row in rows], duration)
+                for within in SHOWN
             ),
         ]
     )
     yield Text("")
 
 
-def _column(title: str, rows: Sequence[Row], name: str, text: Callable[[Any], str]) -> Column:
-    return Column(title, [_cell(row[name], text) for row in rows], True)
-
-
-def _cell(value: Any, text: Callable[[Any], str]) -> str:
-    return "-" if value is None else text(value)
+def _of(rows: Sequence[Row], name: str) -> list[Any]:
+    return [row[name] for row in rows]
 
 
 def _summary(rows: Sequence[Row]) -> Iterator[RenderableType]:

@@ -1,6 +1,6 @@
 """A comparison as a page for the terminal: what each method found, where it differs, how fast it came."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -8,6 +8,7 @@ import numpy as np
 from rich.console import RenderableType
 from rich.text import Text
 
+from cgff_cli.report.cells import column, stabilities, verdicts
 from cgff_cli.report.table import FEW
 from cgff_cli.report.terminal import (
     Column,
@@ -28,6 +29,14 @@ ALIGNMENTS = {
     "none": "as it is",
 }
 """How a method's shape was laid over CGFF's, in words."""
+
+DIFFERENCES = {
+    "nodes": "max_node_difference",
+    "lengths": "max_length_difference",
+    "force densities": "max_force_density_difference",
+    "all distances": "distance_matrix_difference",
+}
+"""Title of a column -> the field it shows."""
 
 
 def comparison_text(
@@ -69,36 +78,25 @@ def _size(comparison: Comparison) -> str:
 
 
 def _outcomes(methods: Sequence[Method]) -> Iterator[Column]:
-    verdicts = [verdict_words(method.verdict) for method in methods]
-    yield Column("method", [method.name for method in methods])
-    yield Column("verdict", [words for words, _ in verdicts], styles=[style for _, style in verdicts])
-    stable = {True: "stable", False: "not stable", None: "-"}
-    yield Column("stability", [stable[method.stable] for method in methods])
-    yield _column("residual", methods, "residual_relative", "{:.1e}".format)
-    yield _column("energy", methods, "energy", number)
-    yield _column("iterations", methods, "iterations", str)
-    yield _column("evaluations", methods, "evaluations", str)
-    yield _column("time", methods, "seconds", duration)
+    yield Column("method", _of(methods, "name"))
+    yield verdicts(_of(methods, "verdict"))
+    yield stabilities(_of(methods, "stable"))
+    yield column("residual", _of(methods, "residual_relative"), "{:.1e}".format)
+    yield column("energy", _of(methods, "energy"), number)
+    yield column("iterations", _of(methods, "iterations"))
+    yield column("evaluations", _of(methods, "evaluations"))
+    yield column("time", _of(methods, "seconds"), duration)
 
 
 def _differences(methods: Sequence[Method]) -> Iterator[Column]:
-    yield Column("against cgff", [method.name for method in methods])
+    yield Column("against cgff", _of(methods, "name"))
     yield Column("laid over it by", [ALIGNMENTS[method.alignment] for method in methods])
-    for title, name in (
-        ("nodes", "max_node_difference"),
-        ("lengths", "max_length_difference"),
-        ("force densities", "max_force_density_difference"),
-        ("all distances", "distance_matrix_difference"),
-    ):
-        yield _column(title, methods, name, "{:.1e}".format)
+    for title, name in DIFFERENCES.items():
+        yield column(title, _of(methods, name), "{:.1e}".format)
 
 
-def _column(title: str, methods: Sequence[Method], name: str, text: Callable[[Any], str]) -> Column:
-    return Column(title, [_cell(getattr(method, name), text) for method in methods], True)
-
-
-def _cell(value: Any, text: Callable[[Any], str]) -> str:
-    return "-" if value is None else text(value)
+def _of(methods: Sequence[Method], name: str) -> list[Any]:
+    return [getattr(method, name) for method in methods]
 
 
 def _coordinates(comparison: Comparison, shown: Sequence[Method]) -> Iterator[RenderableType]:

@@ -1,6 +1,6 @@
 """Many results, a row per scene: as one table for the terminal, as CSV, as lines of JSON."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 from cgff_cli.study.machine import Row
@@ -24,21 +24,20 @@ def summary_lines(rows: Iterable[Row]) -> Iterator[str]:
 
 def summary_text(rows: Sequence[Row], *, terminal: bool, colour: bool | None = None) -> str:
     """Return the summary table; a row of a scene without a result has `scene` and `verdict` only."""
-    from cgff_cli.report.terminal import Column, aligned, clean, duration, rendered, verdict_words
+    from cgff_cli.report.cells import column, verdicts
+    from cgff_cli.report.terminal import Column, aligned, clean, duration, rendered
 
-    def cells(title: str, name: str, text: Callable[[Any], str], to_the_right: bool = True) -> Column:
-        """Return a column of one field, a dash where it is lacking."""
-        found = ["-" if row.get(name) is None else text(row[name]) for row in rows]
-        return Column(title, found, to_the_right)
+    def of(name: str) -> list[Any]:
+        """Return one field of all rows."""
+        return [row.get(name) for row in rows]
 
-    verdicts = [verdict_words(row["verdict"]) for row in rows]
     table = [
-        Column("scene", [clean(row["scene"]) for row in rows]),
-        Column("verdict", [words for words, _ in verdicts], styles=[style for _, style in verdicts]),
-        cells("stability", "stability", str, to_the_right=False),
-        cells("residual", "residual_relative", "{:.1e}".format),
-        cells("iterations", "iterations", str),
-        cells("elements", "elements", str),
-        cells("time", "seconds", duration),
+        Column("scene", list(map(clean, of("scene")))),
+        verdicts(of("verdict")),
+        column("stability", of("stability"), to_the_right=False),
+        column("residual", of("residual_relative"), "{:.1e}".format),
+        column("iterations", of("iterations")),
+        column("elements", of("elements")),
+        column("time", of("seconds"), duration),
     ]
     return rendered(aligned(table), terminal, colour)

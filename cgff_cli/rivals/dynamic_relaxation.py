@@ -11,6 +11,7 @@ import numpy as np
 
 from cgff_cli.mechanics.state import State
 from cgff_cli.rivals.task import End, Task, Unknowns
+from cgff_cli.rivals.trace import Trace
 
 LIGHTEST = 1.5
 """First mass over a node's total stiffness: three times the least that a constant stiffness asks for."""
@@ -19,10 +20,9 @@ PEAKS = 20
 """Peaks in a row, none below the lowest, after which the masses double."""
 
 
-def dynamic_relaxation(task: Task) -> End:
+def dynamic_relaxation(task: Task, trace: Trace) -> End:
     """Let the structure swing, stopping it at every peak of its kinetic energy; the trace ends the run."""
-    task.trace.start()
-    unknowns = Unknowns(task)
+    unknowns = Unknowns(task, trace)
     at = unknowns.mechanics.at
     state = at(unknowns.mechanics.start)
     steps, evaluations = 0, 1

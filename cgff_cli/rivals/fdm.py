@@ -25,6 +25,7 @@ from cgff_cli.mechanics.connectivity import dense
 from cgff_cli.mechanics.equilibrium import equilibrium_matrix, force_density_matrix
 from cgff_cli.rivals.symmetry import member_classes
 from cgff_cli.rivals.task import End, Task
+from cgff_cli.rivals.trace import Trace
 
 NULL = 1e-13
 """Eigenvalues of D, and singular values of U, are zero below this share of the largest."""
@@ -51,18 +52,18 @@ class _Form(NamedTuple):
     fault: str
 
 
-def fdm(task: Task) -> End:
+def fdm(task: Task, trace: Trace) -> End:
     """Return a form of the task's connectivity and signs; raises CgffError where there is none."""
     n, b = len(task.structure.coordinates), len(task.structure.start)
     if max(n, b / 3) > MOST_NODES:
         raise CgffError(f"its dense matrices are not made for more than {MOST_NODES} nodes, here {n}")
-    task.trace.start()
+    trace.start()
     faults = []
     rounds = 0
     for name, classes in _classes(task):
         for form in _rounds(task, classes):
             rounds += 1
-            task.trace.add(rounds, rounds, form.X)
+            trace.add(rounds, rounds, form.X)
         if not form.fault:
             return End(form.X, "form_found", f"one force density per {name}", form.q)
         faults.append(f"{form.fault} with one force density per {name}")

@@ -12,18 +12,19 @@ from cgff_cli.mechanics.connectivity import DENSE_ENTRIES, dense
 from cgff_cli.mechanics.equilibrium import force_density_matrix
 from cgff_cli.mechanics.pattern import GraphPattern
 from cgff_cli.rivals.task import End, Task, centred
+from cgff_cli.rivals.trace import Trace
 from cgff_cli.structure import Structure
 
 SINGULAR = 1e-12
 """A singular value of D_ff below this share of the largest force density leaves nodes without a place."""
 
 
-def schek(task: Task) -> End:
+def schek(task: Task, trace: Trace) -> End:
     """Solve for the free coordinates in one linear step per axis; raises CgffError where none is unique."""
-    structure, q = centred(task.structure), task.reference.force_densities
+    structure, q = centred(task.structure), task.best.force_densities
     if structure.free.all():
         raise CgffError("no supports: the force density method needs held nodes")
-    task.trace.start()
+    trace.start()
     D = _force_density_matrix(structure, q)
     X = structure.coordinates.copy()
     for axis in range(X.shape[1]):
@@ -33,7 +34,7 @@ def schek(task: Task) -> End:
             raise CgffError(f"no node is held along {'xyz'[axis]}")
         D_ff, forces = D[f][:, f], structure.loads[f, axis] - D[f][:, c] @ X[c, axis]
         X[f, axis] = _solved(D_ff, forces, SINGULAR * float(np.abs(q).max()))
-    task.trace.add(1, 1, X)
+    trace.add(1, 1, X)
     return End(X, "form_found", "by one linear solve per axis", q)
 
 

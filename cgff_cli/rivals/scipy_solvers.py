@@ -13,6 +13,7 @@ from cgff_cli.errors import CgffError
 from cgff_cli.mechanics.pattern import TangentPattern
 from cgff_cli.mechanics.state import State
 from cgff_cli.rivals.task import End, Task, Unknowns
+from cgff_cli.rivals.trace import Trace
 
 MOST_DENSE = 2000
 """Unknowns up to which a dense Jacobian, and its QR factors in every step, are worth having."""
@@ -24,11 +25,11 @@ ENDLESS = 1_000_000
 """Their own limits of iterations and evaluations, which the test that ends every rival comes before."""
 
 
-def fsolve(task: Task, with_jacobian: bool = True) -> End:
+def fsolve(task: Task, trace: Trace, with_jacobian: bool = True) -> End:
     """Run scipy.optimize.fsolve; an iteration is an evaluation of the residual, one trial step each."""
     from scipy.optimize import fsolve as minpack
 
-    system = System(task)
+    system = System(task, trace)
     if len(system.start) > MOST_DENSE:
         raise CgffError(f"its dense Jacobian is not made for more than {MOST_DENSE} unknowns")
     jacobian = system.jacobian if with_jacobian else None
@@ -38,19 +39,19 @@ def fsolve(task: Task, with_jacobian: bool = True) -> End:
     return system.ended(x, message)
 
 
-def fsolve_fd(task: Task) -> End:
+def fsolve_fd(task: Task, trace: Trace) -> End:
     """Run it without a Jacobian, by finite differences; their evaluations count as iterations too."""
-    return fsolve(task, with_jacobian=False)
+    return fsolve(task, trace, with_jacobian=False)
 
 
-def lm(task: Task) -> End:
+def lm(task: Task, trace: Trace) -> End:
     """Run Levenberg and Marquardt's method: MINPACK's, or least_squares on a sparse Jacobian if large.
 
     An iteration is an evaluation of the Jacobian.
     """
     from scipy.optimize import least_squares, root
 
-    system = System(task, counts_jacobians=True)
+    system = System(task, trace, counts_jacobians=True)
     problem = system.residual, system.start
     if len(system.start) <= MOST_DENSE:
         own: Any = {"xtol": TIGHT, "ftol": TIGHT, "gtol": 0.0, "maxiter": ENDLESS}
@@ -62,11 +63,11 @@ def lm(task: Task) -> End:
     return system.ended(found.x, str(found.message))
 
 
-def lbfgs(task: Task) -> End:
+def lbfgs(task: Task, trace: Trace) -> End:
     """Run L-BFGS-B on the energy and its gradient."""
     from scipy.optimize import minimize
 
-    system = System(task)
+    system = System(task, trace)
     found: Any = minimize(
         system.energy_and_gradient,
         system.start,
@@ -84,9 +85,8 @@ class System(Unknowns):
     counts_jacobians : an iteration is an evaluation of the Jacobian, not of the residual
     """
 
-    def __init__(self, task: Task, counts_jacobians: bool = False):
-        task.trace.start()
-        super().__init__(task)
+    def __init__(self, task: Task, trace: Trace, counts_jacobians: bool = False):
+        super().__init__(task, trace)
         self.iterations = self.evaluations = 0
         self.counts_jacobians = counts_jacobians
         self.last: tuple[bytes, State] | None = None

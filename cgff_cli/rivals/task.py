@@ -9,14 +9,8 @@ import numpy as np
 from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.options import SolveOptions
 from cgff_cli.rivals.trace import Trace
+from cgff_cli.solvers.solution import Solution
 from cgff_cli.structure import Structure
-
-
-class Reference(NamedTuple):
-    """CGFF's answer: the shape (n, d) about the centroid of the start, and force densities (b,)."""
-
-    X: np.ndarray
-    force_densities: np.ndarray
 
 
 class End(NamedTuple):
@@ -35,16 +29,21 @@ class End(NamedTuple):
 
 
 class Task(NamedTuple):
-    """One structure to form-find; groups: (b,) int, the scene's group of every element."""
+    """One structure to form-find, by every rival.
+
+    groups    : (b,) int, the scene's group of every element
+    best      : CGFF's answer to the rounding floor
+    alignment : how shapes are laid over it, "rigid" or "none"
+    """
 
     structure: Structure
     groups: np.ndarray
     options: SolveOptions
-    trace: Trace
-    reference: Reference
+    best: Solution
+    alignment: str = "rigid"
 
 
-Rival = Callable[[Task], End]
+Rival = Callable[[Task, Trace], End]
 
 
 def centred(structure: Structure) -> Structure:
@@ -59,9 +58,9 @@ class Unknowns:
     Every rival so gets numbers of order one, and its absolute tolerances mean something.
     """
 
-    def __init__(self, task: Task):
-        self.mechanics = Mechanics(task.structure)
-        self.trace = task.trace
+    def __init__(self, task: Task, trace: Trace):
+        trace.start()
+        self.mechanics, self.trace = Mechanics(task.structure), trace
         self.start: np.ndarray = self.mechanics.start.reshape(-1)[self.mechanics.dofs]
 
     def state(self, x: np.ndarray) -> State:

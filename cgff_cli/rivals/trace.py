@@ -57,10 +57,10 @@ class Trace:
         watch: Watch | None,
         time_limit: float,
         distance: Callable[[np.ndarray], float] | None = None,
-        judged: Callable[[np.ndarray], np.ndarray] = np.asarray,
     ):
         self.mechanics, self.watch, self.time_limit = mechanics, watch, time_limit
-        self.distance, self.judged = distance, judged
+        self.distance = distance
+        self.judged: Callable[[np.ndarray], np.ndarray] = np.asarray
         self.gauge = Gauge(mechanics)
         self.by_residual: dict[float, AtResidual] = {}
         self.by_shape: dict[float, AtShape] = {}

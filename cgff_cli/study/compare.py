@@ -8,6 +8,7 @@ import numpy as np
 from cgff_cli.errors import OptionError
 from cgff_cli.options import SolveOptions
 from cgff_cli.rivals.registry import REGISTRY
+from cgff_cli.rivals.task import Task
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers import cgff
 from cgff_cli.solvers.stopping import Verdict
@@ -15,7 +16,7 @@ from cgff_cli.structure import from_scene
 from cgff_cli.study.alignment import alignment_of
 from cgff_cli.study.judge import answer_of, judged
 from cgff_cli.study.record import Comparison
-from cgff_cli.study.runs import Attempt, Setting, attempted
+from cgff_cli.study.runs import Attempt, attempted
 
 TOLERANCE = 1e-12
 """Where all methods stop unless told otherwise: the last point of the curves."""
@@ -54,7 +55,7 @@ def compare(
         raise OptionError(f"repeat and time_limit must be positive, got {repeat} and {time_limit:g}")
     options = SolveOptions(tolerance=TOLERANCE).merged({**scene.solver, **changes, "method": "cgff"})
     names = chosen(methods, bool(scene.supports))
-    setting = _setting(scene, options, time_limit)
+    task = _task(scene, options)
     runs: dict[str, list[Attempt]] = {name: [] for name in names}
     for number in range(1, repeat + 1):
         for name in names:
@@ -62,11 +63,11 @@ def compare(
                 continue
             if observer is not None:
                 observer(name, number)
-            runs[name].append(attempted(name, setting))
-    own = answer_of(setting, runs["cgff"][0])
-    rows = [judged(scene, setting, name, runs[name], own if name != "cgff" else None) for name in names]
+            runs[name].append(attempted(name, task, time_limit))
+    own = answer_of(task, runs["cgff"][0])
+    rows = [judged(scene, task, name, runs[name], own if name != "cgff" else None) for name in names]
     asked = {"repeat": repeat, "time_limit": time_limit}
-    return Comparison(scene, asked | options.to_dict(), setting.best, tuple(rows))
+    return Comparison(scene, asked | options.to_dict(), task.best, tuple(rows))
 
 
 def chosen(methods: Iterable[str], has_supports: bool) -> list[str]:
@@ -80,12 +81,11 @@ def chosen(methods: Iterable[str], has_supports: bool) -> list[str]:
     return list(dict.fromkeys(told))
 
 
-def _setting(scene: Scene, options: SolveOptions, time_limit: float) -> Setting:
+def _task(scene: Scene, options: SolveOptions) -> Task:
     """Return what all methods share, the answer among it; raises KeyboardInterrupt on Ctrl-C."""
     structure = from_scene(scene)
     best = cgff.form_find(structure, replace(options, tolerance=FLOOR, objective="energy"))
     if best.verdict is Verdict.INTERRUPTED:
         raise KeyboardInterrupt
     groups = np.repeat(np.arange(len(scene.groups)), [len(group.EA) for group in scene.groups])
-    alignment = alignment_of(best.shape, structure.free)
-    return Setting(structure, groups, options, time_limit, best, alignment)
+    return Task(structure, groups, options, best, alignment_of(best.shape, structure.free))

@@ -10,14 +10,14 @@ import numpy as np
 from cgff_cli.analysis.equilibrium import analysed
 from cgff_cli.mechanics.state import Mechanics
 from cgff_cli.rivals.registry import REGISTRY
-from cgff_cli.rivals.task import End
+from cgff_cli.rivals.task import End, Task
 from cgff_cli.rivals.trace import TOLERANCES, AtResidual, AtShape
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers.solution import Solution
 from cgff_cli.solvers.stopping import Verdict
 from cgff_cli.study.alignment import distance_difference, laid_over, largest_move, size
 from cgff_cli.study.record import Method
-from cgff_cli.study.runs import Attempt, Setting
+from cgff_cli.study.runs import Attempt
 
 CONVERGED = (Verdict.CONVERGED, Verdict.ROUNDING_FLOOR, "other_equilibrium")
 """Verdicts that stand for an equilibrium: of the scene, or of a method's own force densities."""
@@ -36,27 +36,27 @@ class Answer(NamedTuple):
     force_densities: np.ndarray
 
 
-def answer_of(setting: Setting, own: Attempt) -> Answer | None:
+def answer_of(task: Task, own: Attempt) -> Answer | None:
     """Return what CGFF's own first run came to."""
     if own.end is None:
         return None
-    found = _solution_at(setting, own.end.X)
+    found = _solution_at(task, own.end.X)
     return Answer(found.shape, found.lengths, found.force_densities)
 
 
-def judged(scene: Scene, setting: Setting, name: str, runs: list[Attempt], cgff: Answer | None) -> Method:
+def judged(scene: Scene, task: Task, name: str, runs: list[Attempt], cgff: Answer | None) -> Method:
     """Return the row of a method from its runs; the first tells, all are timed.
 
-    cgff : what it is held against, None for CGFF itself
+    cgff : what the method is held against, None for CGFF itself
     """
     end = runs[0].end
     if end is None or not np.isfinite(end.X).all():
         verdict = "failed" if end is None else end.verdict
         return Method(name, verdict, False, runs[0].failure or "its shape has no finite size")
-    alignment = "affine" if REGISTRY[name].is_affine else setting.alignment
+    alignment = "affine" if REGISTRY[name].is_affine else task.alignment
     X = end.X if cgff is None else laid_over(end.X, cgff.X, alignment)
-    solution = _solution_at(setting, X if alignment == "affine" else end.X)
-    verdict, message = _verdict(solution, end, setting.time_limit)
+    solution = _solution_at(task, X if alignment == "affine" else end.X)
+    verdict, message = _verdict(solution, end, runs[0].trace.time_limit)
     lengths, q = solution.lengths, solution.force_densities
     if end.force_densities is not None:
         q = _scaled(end.force_densities, cgff) if alignment == "affine" else end.force_densities
@@ -66,7 +66,7 @@ def judged(scene: Scene, setting: Setting, name: str, runs: list[Attempt], cgff:
         verdict=verdict,
         converged=verdict in CONVERGED,
         message=message,
-        stable=_stable(scene, setting, solution, verdict),
+        stable=_stable(scene, task, solution, verdict),
         iterations=runs[0].trace.iterations,
         evaluations=runs[0].trace.evaluations,
         seconds=median(run.seconds for run in runs),
@@ -82,14 +82,14 @@ def judged(scene: Scene, setting: Setting, name: str, runs: list[Attempt], cgff:
         distance_matrix_difference=distance_difference(X, own.X),
         curve=_medians(AtResidual, [run.trace.by_residual for run in runs]),
         shape_curve=_medians(AtShape, [run.trace.by_shape for run in runs]),
-        shape_error=_shape_error(placed, alignment, setting),
+        shape_error=_shape_error(placed, alignment, task),
         node_names=scene.node_names,
     )
 
 
-def _solution_at(setting: Setting, X: np.ndarray) -> Solution:
+def _solution_at(task: Task, X: np.ndarray) -> Solution:
     """Return the Solution that a shape (n, d) about the centroid of the start amounts to."""
-    mechanics, tolerance = Mechanics(setting.structure), setting.options.tolerance
+    mechanics, tolerance = Mechanics(task.structure), task.options.tolerance
     found = Solution(mechanics.at(mechanics.moving(X)), Verdict.STEP_VANISHED, tolerance, 0)
     return replace(found, verdict=found.balance.reached(tolerance) or found.verdict)
 
@@ -117,12 +117,12 @@ def _verdict(solution: Solution, end: End, time_limit: float) -> tuple[str, str]
     return ended, message or f"no equilibrium: {left}"
 
 
-def _stable(scene: Scene, setting: Setting, solution: Solution, verdict: str) -> bool | None:
+def _stable(scene: Scene, task: Task, solution: Solution, verdict: str) -> bool | None:
     """Return whether an equilibrium of the scene is stable; None where it is none, or that is not known."""
     if verdict not in CONVERGED[:2]:
         return None
     balanced = replace(solution, verdict=Verdict(verdict))
-    stable: bool | None = analysed(scene, balanced, setting.options)["stable"]
+    stable: bool | None = analysed(scene, balanced, task.options)["stable"]
     return stable
 
 
@@ -131,13 +131,13 @@ def _scaled(q: np.ndarray, cgff: Answer | None) -> np.ndarray:
     return q if cgff is None else q * float(q @ cgff.force_densities) / float(q @ q)
 
 
-def _shape_error(X: np.ndarray, alignment: str, setting: Setting) -> float:
+def _shape_error(X: np.ndarray, alignment: str, task: Task) -> float:
     """Return the largest distance of a node from its place in the reference, over the structure's size.
 
     A form known up to an affine map already lies where CGFF's answer is.
     """
-    target = setting.best.coordinates
-    laid = X if alignment == "affine" else laid_over(X, target, setting.alignment)
+    target = task.best.coordinates
+    laid = X if alignment == "affine" else laid_over(X, target, task.alignment)
     return largest_move(laid, target) / size(target)
 
 

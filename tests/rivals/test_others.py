@@ -143,7 +143,7 @@ def test_a_time_limit_ends_a_run_where_it_is():
 
 
 def test_a_rival_that_breaks_is_a_row(monkeypatch: pytest.MonkeyPatch):
-    def broken(task):
+    def broken(task, trace):
         raise ZeroDivisionError("by nothing")
 
     monkeypatch.setitem(REGISTRY, "lm", REGISTRY["lm"]._replace(run=broken))
