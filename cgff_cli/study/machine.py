@@ -13,6 +13,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
+from itertools import islice
 from typing import Any, Generic, NamedTuple, Protocol, TypeVar, cast
 
 Row = dict[str, Any]
@@ -66,19 +67,24 @@ def done(
     known     : digest -> what the work returned in an earlier run, not done again
     processes : 1 is this one; more are processes of their own, with one BLAS thread each
     """
-    known = known or {}
+    known, jobs = known or {}, iter(jobs)
     waiting: deque[tuple[J, Callable[[], R] | None]] = deque()
+    most = 1 if processes == 1 else AHEAD * processes
     with _begin(processes) as begin:
-        for job in jobs:
-            waiting.append((job, None if job.digest in known else begin(work, job)))
-            while len(waiting) > (0 if processes == 1 else AHEAD * processes):
-                yield (last := _ended(*waiting.popleft(), known))
-                if last.is_interrupt:
-                    return
-        for job, get in waiting:
-            yield (last := _ended(job, get, known))
-            if last.is_interrupt:
+        while True:
+            try:
+                for job in islice(jobs, most - len(waiting)):
+                    waiting.append((job, None if job.digest in known else begin(work, job)))
+                ended = _ended(*waiting[0], known) if waiting else None
+            except KeyboardInterrupt:
+                if not waiting:
+                    raise
+                yield Done(waiting[0][0], cast(R, None), is_interrupt=True)
                 return
+            if ended is None:
+                return
+            waiting.popleft()
+            yield ended
 
 
 def _ended(job: J, get: Callable[[], R] | None, known: Mapping[str, R]) -> Done[J, R]:
@@ -86,8 +92,6 @@ def _ended(job: J, get: Callable[[], R] | None, known: Mapping[str, R]) -> Done[
         return Done(job, known[job.digest], is_new=False)
     try:
         return Done(job, get())
-    except KeyboardInterrupt:
-        return Done(job, cast(R, None), is_interrupt=True)
     except Exception as error:
         return Done(job, cast(R, None), error)
 
