@@ -39,7 +39,6 @@ class Digested(Protocol):
 
 J = TypeVar("J", bound=Digested)
 R = TypeVar("R")
-Begin = Callable[[Callable[[J], R], J], Callable[[], R]]
 
 
 class Done(NamedTuple, Generic[J, R]):
