@@ -1,6 +1,5 @@
 """`cgff bench`: many scenes by several methods, a row per case and method, resumed where it stopped."""
 
-import sys
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +11,7 @@ from cgff_cli.cli.common import (
     report_error,
     say,
     screen,
-    wanted,
+    shown,
     word_options,
     worst,
 )
@@ -106,14 +105,10 @@ class Bench:
         """Return the rows of a job, showing on a terminal which run of which case is at work."""
         from cgff_cli.study.measure import measured
 
-        if wanted("quiet") or not sys.stderr.isatty():
-            return measured(job)
-        from cgff_cli.report.progress import Progress
-
         place = f"case {self.asked.index(job) + 1} of {len(self.asked)}"
-        with Progress(job.case.id, delay=0.0) as progress:
-            progress.show(place)
-            return measured(job, lambda method, run: progress.show(f"{place}, {method}, run {run}"))
+        with shown(job.case.id) as show:
+            show(place)
+            return measured(job, lambda method, run: show(f"{place}, {method}, run {run}"))
 
     def took(self, ended: "Done[Job, list[Row]]") -> ExitCode:
         """Take what became of a job: write what there is so far, and tell how it ended."""

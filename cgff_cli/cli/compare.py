@@ -1,7 +1,6 @@
 """`cgff compare`: the same scenes by CGFF and by others, side by side."""
 
 import os
-import sys
 from collections.abc import Iterable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -14,6 +13,7 @@ from cgff_cli.cli.common import (
     report_error,
     say,
     screen,
+    shown,
     title,
     wanted,
     warn,
@@ -116,12 +116,8 @@ def _compared(options: dict[str, Any], targets: Sequence[Named], job: "SceneJob"
 
     scene = load(job.path)
     refuse_inputs(targets, ((file, f"a file of {title(job.path)}") for file in scene.files))
-    if wanted("quiet") or not sys.stderr.isatty():
-        return compare(scene, **options)
-    from cgff_cli.report.progress import Progress
-
-    with Progress(title(job.path), delay=0.0) as progress:
-        return compare(scene, observer=lambda name, run: progress.show(f"{name}, run {run}"), **options)
+    with shown(title(job.path)) as show:
+        return compare(scene, observer=lambda name, run: show(f"{name}, run {run}"), **options)
 
 
 def _told(ended: "Done[SceneJob, Comparison]") -> ExitCode:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from cgff_cli.cli.common import ExitCode, report_error, say, title, wanted, warn
+from cgff_cli.cli.common import ExitCode, report_error, say, shown, title, wanted, warn
 from cgff_cli.cli.outputs import Outputs
 from cgff_cli.cli.requirements import Requirement, judged_for, unmet
 from cgff_cli.report.files import STDOUT, write_output
@@ -87,14 +87,12 @@ def earlier(
 
 def watched(found: "Iterator[Done[SceneJob, Kept]]", count: int, processes: int) -> Iterator[Any]:
     """Yield what became of scenes; where others work, show on a terminal how far they are meanwhile."""
-    if processes == 1 or wanted("quiet") or not sys.stderr.isatty():
+    if processes == 1:
         yield from found
         return
-    from cgff_cli.report.progress import Progress
-
     for number in range(count):
-        with Progress("", delay=0.0) as progress:
-            progress.show(f"{number} of {count} scenes")
+        with shown("") as show:
+            show(f"{number} of {count} scenes")
             ended = next(found)
         yield ended
 

@@ -14,7 +14,7 @@ from cgff_cli.solvers import cgff
 from cgff_cli.solvers.stopping import Verdict
 from cgff_cli.structure import from_scene
 from cgff_cli.study.alignment import alignment_of
-from cgff_cli.study.judge import answer_of, judged
+from cgff_cli.study.judge import judged, solution_at
 from cgff_cli.study.record import Comparison
 from cgff_cli.study.runs import Attempt, attempted
 
@@ -64,7 +64,8 @@ def compare(
             if observer is not None:
                 observer(name, number)
             runs[name].append(attempted(name, task, time_limit))
-    own = answer_of(task, runs["cgff"][0])
+    end = runs["cgff"][0].end
+    own = None if end is None else solution_at(task, end.X)
     rows = [judged(scene, task, name, runs[name], own if name != "cgff" else None) for name in names]
     asked = {"repeat": repeat, "time_limit": time_limit}
     return Comparison(scene, asked | options.to_dict(), task.best, tuple(rows))

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from statistics import median
-from typing import NamedTuple, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -28,39 +28,30 @@ EXACT = 2.0**12
 At = TypeVar("At", AtResidual, AtShape)
 
 
-class Answer(NamedTuple):
-    """CGFF's shape (n, d) about the centroid of the start, its lengths and force densities (b,)."""
-
-    X: np.ndarray
-    lengths: np.ndarray
-    force_densities: np.ndarray
-
-
-def answer_of(task: Task, own: Attempt) -> Answer | None:
-    """Return what CGFF's own first run came to."""
-    if own.end is None:
-        return None
-    found = _solution_at(task, own.end.X)
-    return Answer(found.shape, found.lengths, found.force_densities)
+def solution_at(task: Task, X: np.ndarray) -> Solution:
+    """Return the Solution that a shape (n, d) about the centroid of the start amounts to."""
+    mechanics, tolerance = Mechanics(task.structure), task.options.tolerance
+    found = Solution(mechanics.at(mechanics.moving(X)), Verdict.STEP_VANISHED, tolerance, 0)
+    return replace(found, verdict=found.balance.reached(tolerance) or found.verdict)
 
 
-def judged(scene: Scene, task: Task, name: str, runs: list[Attempt], cgff: Answer | None) -> Method:
+def judged(scene: Scene, task: Task, name: str, runs: list[Attempt], cgff: Solution | None) -> Method:
     """Return the row of a method from its runs; the first tells, all are timed.
 
-    cgff : what the method is held against, None for CGFF itself
+    cgff : the answer that the method is held against, None for CGFF itself
     """
     end = runs[0].end
     if end is None or not np.isfinite(end.X).all():
         verdict = "failed" if end is None else end.verdict
         return Method(name, verdict, False, runs[0].failure or "its shape has no finite size")
     alignment = "affine" if REGISTRY[name].is_affine else task.alignment
-    X = end.X if cgff is None else laid_over(end.X, cgff.X, alignment)
-    solution = _solution_at(task, X if alignment == "affine" else end.X)
+    X = end.X if cgff is None else laid_over(end.X, cgff.shape, alignment)
+    solution = solution_at(task, X if alignment == "affine" else end.X)
     verdict, message = _verdict(solution, end, runs[0].trace.time_limit)
     lengths, q = solution.lengths, solution.force_densities
     if end.force_densities is not None:
         q = _scaled(end.force_densities, cgff) if alignment == "affine" else end.force_densities
-    own, placed = cgff or Answer(X, lengths, q), solution.placed(X)
+    own, placed = cgff or solution, solution.placed(X)
     return Method(
         name=name,
         verdict=verdict,
@@ -76,22 +67,15 @@ def judged(scene: Scene, task: Task, name: str, runs: list[Attempt], cgff: Answe
         X=placed,
         lengths=lengths,
         force_densities=q,
-        max_node_difference=largest_move(X, own.X),
+        max_node_difference=largest_move(X, own.shape),
         max_length_difference=float(np.abs(lengths - own.lengths).max()),
         max_force_density_difference=float(np.abs(q - own.force_densities).max()),
-        distance_matrix_difference=distance_difference(X, own.X),
+        distance_matrix_difference=distance_difference(X, own.shape),
         curve=_medians(AtResidual, [run.trace.by_residual for run in runs]),
         shape_curve=_medians(AtShape, [run.trace.by_shape for run in runs]),
         shape_error=_shape_error(placed, alignment, task),
         node_names=scene.node_names,
     )
-
-
-def _solution_at(task: Task, X: np.ndarray) -> Solution:
-    """Return the Solution that a shape (n, d) about the centroid of the start amounts to."""
-    mechanics, tolerance = Mechanics(task.structure), task.options.tolerance
-    found = Solution(mechanics.at(mechanics.moving(X)), Verdict.STEP_VANISHED, tolerance, 0)
-    return replace(found, verdict=found.balance.reached(tolerance) or found.verdict)
 
 
 def _verdict(solution: Solution, end: End, time_limit: float) -> tuple[str, str]:
@@ -126,7 +110,7 @@ def _stable(scene: Scene, task: Task, solution: Solution, verdict: str) -> bool 
     return stable
 
 
-def _scaled(q: np.ndarray, cgff: Answer | None) -> np.ndarray:
+def _scaled(q: np.ndarray, cgff: Solution | None) -> np.ndarray:
     """Return force densities known up to a factor, scaled to CGFF's, least squares."""
     return q if cgff is None else q * float(q @ cgff.force_densities) / float(q @ q)
 

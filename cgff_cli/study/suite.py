@@ -26,18 +26,17 @@ CASE_KEYS = ("id", "scene", "options", "expect", *NOTES)
 
 EXPECT_KEYS = ("outcome", "slack", "warns", "tolerance", "compare", "closed", "data_digits")
 
-EXPECTED: dict[str, tuple[Callable[[Any], bool], str]] = {
+RUN_OPTIONS = ("repeat", "time_limit")
+"""Options of comparing that a case may set beside solve options."""
+
+VALUES: dict[str, tuple[Callable[[Any], bool], str]] = {
     "outcome": (lambda value: value is None or value in OUTCOMES, f"one of {', '.join(OUTCOMES)}"),
     "slack": (lambda value: type(value) is int, "a number of cables"),
     "warns": (lambda value: isinstance(value, str), "words of a warning"),
+    "repeat": (lambda value: type(value) is int and value > 0, "a whole number > 0"),
+    "time_limit": (lambda value: type(value) in (int, float) and value > 0, "a number > 0"),
 }
-"""Key of what is expected -> whether a value may stand there, and what may."""
-
-RUN_OPTIONS: dict[str, tuple[tuple[type, ...], str]] = {
-    "repeat": ((int,), "a whole number > 0"),
-    "time_limit": ((int, float), "a number > 0"),
-}
-"""Options of comparing that a case may set beside solve options -> types, and what may stand there."""
+"""Key of a case's blocks -> whether a value may stand there, and what may."""
 
 
 def standard() -> str:
@@ -116,7 +115,8 @@ def _case(findings: Findings, path: str, document: Document, i: int, entry: obje
     scene, given, expect = (_block(findings, (i, key), values) for key in ("scene", "options", "expect"))
     _check_scene(findings, (i, "scene"), scene)
     options = _options(findings, (i, "options"), meant(given))
-    _check_expectation(findings, (i, "expect"), meant(expect))
+    check_keys(findings, (i, "expect"), expect, EXPECT_KEYS)
+    _check_values(findings, (i, "expect"), meant(expect))
 
     def place(where: Where, at_key: bool) -> Mark:
         """Return line and column of an entry of this case."""
@@ -142,26 +142,21 @@ def _check_scene(findings: Findings, where: Where, recipe: Mapping[str, Any]) ->
     check_keys(findings, where, recipe, (*keys, *CHANGES))
 
 
-def _check_expectation(findings: Findings, where: Where, expect: dict[str, Any]) -> None:
-    check_keys(findings, where, expect, EXPECT_KEYS)
-    for name, (fits, allowed) in EXPECTED.items():
-        if name in expect and not fits(expect[name]):
-            findings.add((*where, name), f"must be {allowed}, got {found(expect[name])}")
+def _check_values(findings: Findings, where: Where, values: Mapping[str, Any]) -> None:
+    for name, value in values.items():
+        fits, allowed = VALUES.get(name, (bool, ""))
+        if allowed and not fits(value):
+            findings.add((*where, name), f"must be {allowed}, got {found(value)}")
 
 
 def _options(findings: Findings, where: Where, given: dict[str, Any]) -> dict[str, Any]:
-    """Return the options of a case, each checked."""
+    """Return the options of a case, each checked and those of a solve in their own type."""
     check_keys(findings, where, given, (*OPTIONS, *RUN_OPTIONS))
-    options: dict[str, Any] = {}
-    for name, value in given.items():
-        types, allowed = RUN_OPTIONS.get(name, ((), ""))
-        if types and (type(value) not in types or not value > 0):
-            findings.add((*where, name), f"must be {allowed}, got {value!r}")
-        elif types:
-            options[name] = value
-        elif name in OPTIONS:
-            try:
-                options[name] = checked(name, value)
-            except OptionError as error:
-                findings.add((*where, name), str(error).removeprefix(f"{name} "))
+    _check_values(findings, where, given)
+    options = dict(given)
+    for name in given.keys() & OPTIONS.keys():
+        try:
+            options[name] = checked(name, given[name])
+        except OptionError as error:
+            findings.add((*where, name), str(error).removeprefix(f"{name} "))
     return options
