@@ -137,7 +137,7 @@ def _nearest(stresses: np.ndarray, prototype: np.ndarray) -> np.ndarray:
 
 
 def _fault(V: np.ndarray, signed: np.ndarray, stresses: np.ndarray) -> str:
-    """Return why a D of nullity d + 1 is no form after all, or nothing; signed: q, > 0 where as it must be."""
+    """Return why a D of nullity d + 1 is no form after all, or nothing; signed: q, > 0 of the right sign."""
     lengths = np.linalg.norm(V, axis=0)
     if (signed <= 0.0).any():
         return "some member has the wrong sign"

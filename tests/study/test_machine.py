@@ -9,8 +9,9 @@ from typing import NamedTuple
 import pytest
 
 from cgff_cli.errors import Problem, SceneError
+from cgff_cli.study.hands import ONE_THREAD
 from cgff_cli.study.journal import Journal
-from cgff_cli.study.machine import ONE_THREAD, done
+from cgff_cli.study.machine import done
 
 
 class Number(NamedTuple):
