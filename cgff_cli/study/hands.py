@@ -41,7 +41,7 @@ def _here() -> Iterator[Hands]:
 @contextmanager
 def _pool(processes: int) -> Iterator[Hands]:
     """Give processes that start afresh, with one BLAS thread each."""
-    from concurrent.futures import ProcessPoolExecutor
+    from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
     from multiprocessing import active_children, get_context
 
     os.environ.update(ONE_THREAD)  # for the workers: what this process has loaded does not look again
@@ -53,6 +53,8 @@ def _pool(processes: int) -> Iterator[Hands]:
         before = signal.pthread_sigmask(signal.SIG_BLOCK, INTERRUPT)
         try:
             return pool.submit(_at_work, work, job).result
+        except BrokenExecutor as error:  # a worker was killed: it takes all jobs with it that are left
+            return partial(_refuse, error)
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
@@ -63,6 +65,10 @@ def _pool(processes: int) -> Iterator[Hands]:
             if process.pid is not None:
                 os.kill(process.pid, signal.SIGINT)
         pool.shutdown(cancel_futures=True)
+
+
+def _refuse(error: Exception) -> Any:
+    raise error
 
 
 def _at_work(work: Callable[[Any], Any], job: object) -> Any:

@@ -3,6 +3,7 @@
 import os
 import signal
 import time
+from concurrent.futures import BrokenExecutor
 from pathlib import Path
 from typing import NamedTuple
 
@@ -36,6 +37,12 @@ def slow_first(job: Number) -> list[int]:
 
 def environment(job: Number) -> dict[str, str]:
     return {name: os.environ[name] for name in ONE_THREAD}
+
+
+def killed(job: Number) -> int:
+    if job.value == 3:
+        os._exit(1)
+    return job.value
 
 
 def interrupted(job: Number) -> int:
@@ -79,6 +86,12 @@ def test_an_interrupt_is_the_last_that_comes():
 
     found = list(done(numbers(0, 1, 2), stopped))
     assert [ended.is_interrupt for ended in found] == [False, True]
+
+
+def test_a_worker_that_is_killed_is_an_error_of_every_job_left():
+    *_, last = found = list(done(numbers(*range(20)), killed, processes=2))
+    assert len(found) == 20
+    assert isinstance(last.error, BrokenExecutor)
 
 
 def test_workers_have_one_thread_each():
