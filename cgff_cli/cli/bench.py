@@ -25,8 +25,8 @@ from cgff_cli.cli.targets import Named, check_targets, files_among
 from cgff_cli.report.files import STDOUT, is_stream, write_output
 
 if TYPE_CHECKING:
+    from cgff_cli.study.bench import Job
     from cgff_cli.study.machine import Done, Row
-    from cgff_cli.study.measure import Job
 
 EPILOG = """\b
 Examples:
@@ -82,8 +82,7 @@ class Bench:
     """
 
     def __init__(self, suites: tuple[str, ...], values: dict[str, Any]):
-        from cgff_cli.study.bench import kept
-        from cgff_cli.study.measure import jobs_of
+        from cgff_cli.study.bench import jobs_of, kept
         from cgff_cli.study.suite import cases_of, standard
 
         self.path = None if values["output"] == STDOUT else values["output"]

@@ -1,22 +1,17 @@
-"""Cases of a suite as jobs for the machine, and one job measured: every method on its scene, a row each."""
+"""One case measured: every method on its scene, a row each, as plain values."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 from cgff_cli import pipeline
-from cgff_cli.errors import Problem, SceneError
 from cgff_cli.options import OPTIONS
 from cgff_cli.scene.scene import Scene
 from cgff_cli.study.alignment import distance_difference, size
-from cgff_cli.study.case import Case, built
-from cgff_cli.study.compare import BeforeRun, chosen, compare
-from cgff_cli.study.digest import contents, digest_of, machine
+from cgff_cli.study.bench import Job, own_method
+from cgff_cli.study.compare import BeforeRun, compare
 from cgff_cli.study.expectation import REFUSED, as_expected, outcome
 from cgff_cli.study.machine import Row
 from cgff_cli.study.record import Method
-
-TIME_LIMIT = 10.0
-"""Seconds after which a run is ended, unless the case or the command line says otherwise."""
 
 SAME_ENERGY = 1e-9
 """Energies that differ by no more, relatively, are one energy."""
@@ -34,58 +29,6 @@ ROW_FIELDS = (
 """Fields of a row; those that a Method has mean the same there."""
 
 _AS_IN_A_METHOD = tuple(name for name in ROW_FIELDS if name in Method._fields)
-
-
-class Job(NamedTuple):
-    """One case to measure.
-
-    scene   : None where it was refused, as the case expects; `refusal` says why
-    options : those of the case, and of the command line, which win
-    digest  : of the program, the machine and everything here
-    """
-
-    case: Case
-    scene: Scene | None
-    refusal: str
-    methods: tuple[str, ...]
-    options: dict[str, Any]
-    digest: str
-
-
-def jobs_of(cases: Iterable[Case], methods: Iterable[str], options: Mapping[str, Any]) -> list[Job]:
-    """Return a job per case; raises SceneError with all scenes that cannot be built, unless expected."""
-    asked = list(methods)
-    jobs: list[Job] = []
-    problems: list[Problem] = []
-    for case in cases:
-        try:
-            jobs.append(_job(case, asked, {"time_limit": TIME_LIMIT, **case.options, **options}))
-        except SceneError as error:
-            problems += error.problems
-    if problems:
-        raise SceneError(problems)
-    return jobs
-
-
-def _job(case: Case, methods: list[str], options: dict[str, Any]) -> Job:
-    scene, refusal = None, ""
-    try:
-        scene = built(case)
-    except SceneError as error:
-        if case.expect.get("outcome") != REFUSED:
-            raise
-        refusal = str(error)
-    names = tuple(chosen([*methods, own_method(options)], bool(scene and scene.supports)))
-    told = [case.suite, case.id, case.expect, names, options, refusal, machine()]
-    digest = digest_of(told, contents(scene) if scene else ())
-    return Job(case, scene, refusal, names, options, digest)
-
-
-def own_method(options: Mapping[str, Any]) -> str:
-    """Return the method that `solve` would run by these options, which a case's expectation is about."""
-    if options.get("method") == "table1":
-        return "table1"
-    return "cgff-residual" if options.get("objective") == "residual" else "cgff"
 
 
 def measured(job: Job, observer: BeforeRun | None = None) -> list[Row]:

@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from cgff_cli.study import measure
-from cgff_cli.study.measure import ROW_FIELDS, TIME_LIMIT
+from cgff_cli.study.bench import TIME_LIMIT
+from cgff_cli.study.measure import ROW_FIELDS
 from tests.cli.conftest import Run
 
 HARD = Path(__file__).parents[1] / "hard"

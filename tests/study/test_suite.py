@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import cgff_cli
+from cgff_cli.study.bench import jobs_of
 from cgff_cli.study.case import built
 from cgff_cli.study.expectation import agrees, as_expected
-from cgff_cli.study.measure import jobs_of
 from cgff_cli.study.suite import cases_of, standard
 from tests.shapes import STRUCTURES, solve_structure
 
