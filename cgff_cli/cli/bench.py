@@ -8,10 +8,10 @@ import click
 from cgff_cli.cli.common import (
     ExitCode,
     SectionCommand,
+    progress,
     report_error,
     say,
     screen,
-    shown,
     word_options,
     worst,
 )
@@ -105,9 +105,11 @@ class Bench:
         from cgff_cli.study.measure import measured
 
         place = f"case {self.asked.index(job) + 1} of {len(self.asked)}"
-        with shown(job.case.id) as show:
-            show(place)
-            return measured(job, lambda method, run: show(f"{place}, {method}, run {run}"))
+        with progress(job.case.id, delay=0.0) as line:
+            if line is None:
+                return measured(job)
+            line.show(place)
+            return measured(job, lambda method, run: line.show(f"{place}, {method}, run {run}"))
 
     def took(self, ended: "Done[Job, list[Row]]") -> ExitCode:
         """Take what became of a job: write what there is so far, and tell how it ended."""

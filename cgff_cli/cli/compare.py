@@ -10,10 +10,10 @@ import click
 from cgff_cli.cli.common import (
     ExitCode,
     SectionCommand,
+    progress,
     report_error,
     say,
     screen,
-    shown,
     title,
     wanted,
     warn,
@@ -116,8 +116,10 @@ def _compared(options: dict[str, Any], targets: Sequence[Named], job: "SceneJob"
 
     scene = load(job.path)
     refuse_inputs(targets, ((file, f"a file of {title(job.path)}") for file in scene.files))
-    with shown(title(job.path)) as show:
-        return compare(scene, observer=lambda name, run: show(f"{name}, run {run}"), **options)
+    with progress(title(job.path), delay=0.0) as line:
+        if line is None:
+            return compare(scene, **options)
+        return compare(scene, observer=lambda name, run: line.show(f"{name}, run {run}"), **options)
 
 
 def _told(ended: "Done[SceneJob, Comparison]") -> ExitCode:

@@ -29,7 +29,7 @@ RIVALS = {
 SOLVE_OPTIONS = tuple(name for name in OPTIONS if name not in ("method", "objective"))
 """The solve options that are flags here; the methods stand for the other two."""
 
-_SUFFIXES = {".json": "json", ".csv": "csv"}
+SUFFIXES = {".json": "json", ".csv": "csv"}
 
 Flag = tuple[tuple[str, ...], str, dict[str, Any]]
 """Names, section of the help, and attributes of an option."""
@@ -114,7 +114,7 @@ def form_of(output_format: str | None, path: str | None, *, table_too: bool = Fa
     table_too : a table may be asked for beside a file
     """
     if path is not None and path != STDOUT and not is_stream(path):
-        form = _SUFFIXES.get(os.path.splitext(path)[1].lower())
+        form = SUFFIXES.get(os.path.splitext(path)[1].lower())
         if form is None:
             raise click.UsageError(f"-o {path}: the name must end in .json (everything) or .csv (a table)")
         if output_format not in (None, form, "table" if table_too else None):

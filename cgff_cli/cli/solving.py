@@ -1,14 +1,13 @@
 """What `cgff solve` does with each scene, in this process or in others, and with what became of it."""
 
 import os
-import sys
 from collections.abc import Iterator, MutableMapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from cgff_cli.cli.common import ExitCode, report_error, say, shown, title, wanted, warn
+from cgff_cli.cli.common import ExitCode, progress, report_error, say, title, wanted, warn
 from cgff_cli.cli.outputs import Outputs
 from cgff_cli.cli.requirements import Requirement, judged_for, unmet
 from cgff_cli.report.files import STDOUT, write_output
@@ -62,12 +61,10 @@ class Solving:
 
         scene = load(path)
         self.outputs.refuse_inputs(scene)
-        if self.apart or wanted("quiet") or not sys.stderr.isatty():
+        if self.apart:
             return pipeline.solve(scene, **self.options)
-        from cgff_cli.report.progress import Progress
-
-        with Progress(title(path)) as progress:
-            return pipeline.solve(scene, observer=progress, **self.options)
+        with progress(title(path)) as line:
+            return pipeline.solve(scene, observer=line, **self.options)
 
 
 def earlier(
@@ -91,8 +88,9 @@ def watched(found: "Iterator[Done[SceneJob, Kept]]", count: int, processes: int)
         yield from found
         return
     for number in range(count):
-        with shown("") as show:
-            show(f"{number} of {count} scenes")
+        with progress("", delay=0.0) as line:
+            if line is not None:
+                line.show(f"{number} of {count} scenes")
             ended = next(found)
         yield ended
 
