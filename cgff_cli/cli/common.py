@@ -5,11 +5,14 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from enum import IntEnum
-from typing import Any, TextIO, TypedDict, TypeVar
+from typing import TYPE_CHECKING, Any, TextIO, TypedDict, TypeVar
 
 import click
 
 from cgff_cli.errors import CgffError, OptionError, SceneError
+
+if TYPE_CHECKING:
+    from cgff_cli.report.progress import Progress
 
 Decorated = TypeVar("Decorated", bound=Callable[..., Any])
 
@@ -137,6 +140,18 @@ def warn(text: str) -> None:
 def title(scene: str) -> str:
     """Return what a scene is called in words: its path, or <stdin>."""
     return "<stdin>" if scene == "-" else scene
+
+
+@contextmanager
+def progress(words: str, **more: Any) -> Iterator["Progress | None"]:
+    """Give what shows progress on standard error; None where that is no terminal, or -q was given."""
+    if wanted("quiet") or not sys.stderr.isatty():
+        yield None
+        return
+    from cgff_cli.report.progress import Progress
+
+    with Progress(words, **more) as line:
+        yield line
 
 
 def report_error(error: Exception) -> ExitCode:

@@ -12,7 +12,7 @@ from cgff_cli.hints import did_you_mean
 if TYPE_CHECKING:
     import numpy as np
 
-    from cgff_cli.report.result import Result
+    from cgff_cli.result import Result
 
 MOST_DIRECTIONS = 30_000
 """Free directions up to which ranks are computed because a requirement needs them: about a second."""

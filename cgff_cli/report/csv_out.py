@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from cgff_cli.report.columns import ELEMENT_COLUMNS, Block, element_blocks, node_blocks, node_columns
-from cgff_cli.report.result import Result
+from cgff_cli.result import Result
 
 _SPECIAL = re.compile('[,"\r\n]')
 

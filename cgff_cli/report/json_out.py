@@ -12,7 +12,7 @@ from json.encoder import encode_basestring
 from typing import Any, NamedTuple
 
 from cgff_cli.report.columns import Block, element_blocks, node_blocks
-from cgff_cli.report.result import FIELDS, Result
+from cgff_cli.result import FIELDS, Result
 
 _SMALL = 4  # an object of at most this many entries stays on one line
 _BATCH = 1024

@@ -7,7 +7,6 @@ import numpy as np
 from rich.console import RenderableType
 from rich.text import Text
 
-from cgff_cli.report.result import Result
 from cgff_cli.report.terminal import (
     Column,
     aligned,
@@ -20,6 +19,7 @@ from cgff_cli.report.terminal import (
     rendered,
     verdict_words,
 )
+from cgff_cli.result import Result
 
 FEW = 30
 """Lists longer than this are summarised unless asked for in full."""
