@@ -1,7 +1,5 @@
 """What the commands that compare methods share: flags, the options they stand for, where output goes."""
 
-import os
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -9,8 +7,8 @@ import click
 
 from cgff_cli.cli.common import Decorated, SectionOption
 from cgff_cli.cli.options import FORMATS, given_solve_options, solve_option
+from cgff_cli.cli.targets import form_of_data
 from cgff_cli.options import OPTIONS
-from cgff_cli.report.files import STDOUT, is_stream
 
 RIVALS = {
     "fdm": ("fdm", "Form-finding from connectivity and signs alone; with supports, --schek."),
@@ -28,8 +26,6 @@ RIVALS = {
 
 SOLVE_OPTIONS = tuple(name for name in OPTIONS if name not in ("method", "objective"))
 """The solve options that are flags here; the methods stand for the other two."""
-
-SUFFIXES = {".json": "json", ".csv": "csv"}
 
 Flag = tuple[tuple[str, ...], str, dict[str, Any]]
 """Names, section of the help, and attributes of an option."""
@@ -109,15 +105,6 @@ def comparing_options(values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def form_of(output_format: str | None, path: str | None, *, table_too: bool = False) -> str:
-    """Return the format to write: by the file's suffix, by the flag, or by where it goes.
-
-    table_too : a table may be asked for beside a file
-    """
-    if path is not None and path != STDOUT and not is_stream(path):
-        form = SUFFIXES.get(os.path.splitext(path)[1].lower())
-        if form is None:
-            raise click.UsageError(f"-o {path}: the name must end in .json (everything) or .csv (a table)")
-        if output_format not in (None, form, "table" if table_too else None):
-            raise click.UsageError(f"--format {output_format} and -o {path} disagree")
-        return form
-    return output_format or ("table" if sys.stdout.isatty() and path in (None, STDOUT) else "json")
+    """Return the format to write; table_too: a table may be asked for beside a file."""
+    beside = table_too and path is not None and output_format == "table"
+    return form_of_data(None if beside else output_format, path)

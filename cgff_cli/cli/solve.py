@@ -1,6 +1,5 @@
 """`cgff solve`: form-find each scene, write what was found, tell how it ended."""
 
-import sys
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
@@ -9,53 +8,49 @@ import click
 from cgff_cli.cli.common import (
     ExitCode,
     SectionCommand,
-    SectionOption,
+    examples,
+    flag,
+    progress,
     report_error,
     say,
     title,
     wanted,
-    warn,
+    warn_of,
     word_options,
     worst,
 )
 from cgff_cli.cli.options import (
+    Checked,
     given_solve_options,
     list_given,
     output_options,
     scenes_arguments,
     solve_options,
 )
-from cgff_cli.cli.outputs import Flags, Outputs
-from cgff_cli.cli.requirements import ALLOWED, Requirement, Requirements, judged_for, unmet
+from cgff_cli.cli.outputs import Outputs
+from cgff_cli.cli.requirements import ALLOWED, Requirement, judged_for, requirements, unmet
 
 if TYPE_CHECKING:
     from cgff_cli.report.result import Result
 
-EPILOG = """\b
-Examples:
-  cgff solve prism.yaml
-  cgff solve prism.yaml -o prism.json --history prism-history.csv
-  cgff solve *.yaml --out-dir results --summary results.csv
-  find . -name "*.yaml" | cgff solve --files-from - --format jsonl
-  cgff solve net.yaml --format csv > shape.csv
-  cgff solve tower.yaml --require stable,no-slack,max-strain=0.02
-  cat prism.yaml | cgff solve - | jq .analysis
-"""
+_EPILOG = examples(
+    "cgff solve prism.yaml -o prism.json --history prism.csv",
+    "cgff solve *.yaml --out-dir results --require stable,no-slack,max-strain=0.02",
+)
 
 
-@click.command("solve", cls=SectionCommand, epilog=EPILOG)
-@scenes_arguments
+@click.command("solve", cls=SectionCommand, epilog=_EPILOG)
 @output_options
-@solve_options
-@click.option(
+@flag(
     "--require",
-    cls=SectionOption,
     section="Judging",
-    type=Requirements(),
+    type=Checked("requirements", requirements),
     metavar="WORDS",
     multiple=True,
     help=f"End with exit code 5 where an equilibrium is not all of these: {ALLOWED}.",
 )
+@scenes_arguments
+@solve_options
 @word_options
 @click.pass_context
 def command(ctx: click.Context, scenes: tuple[str, ...], **values: Any) -> None:
@@ -66,7 +61,7 @@ def command(ctx: click.Context, scenes: tuple[str, ...], **values: Any) -> None:
     """
     options = given_solve_options(values)
     required = tuple(chain.from_iterable(values["require"]))
-    outputs = Outputs(scenes, Flags(*(values[name] for name in Flags._fields)), list_given())
+    outputs = Outputs(scenes, values, list_given())
     code = ExitCode.OK
     for scene in scenes:
         code = worst(code, _solve(scene, options, outputs, required))
@@ -92,7 +87,9 @@ def _solve(
         code = report_error(error)
         outputs.failed(scene, "bad_scene" if code is ExitCode.SCENE else "error")
         return code
-    return _tell(scene, result, required)
+    if not outputs.on_page:
+        warn_of(scene, result.warnings)
+    return _tell(title(scene), result, required)
 
 
 def _found(path: str, options: dict[str, Any], outputs: Outputs) -> "Result":
@@ -101,19 +98,12 @@ def _found(path: str, options: dict[str, Any], outputs: Outputs) -> "Result":
 
     scene = load(path)
     outputs.refuse_inputs(scene)
-    if wanted("quiet") or not sys.stderr.isatty():
-        return pipeline.solve(scene, **options)
-    from cgff_cli.report.progress import Progress
-
-    with Progress(title(path)) as progress:
-        return pipeline.solve(scene, observer=progress, **options)
+    with progress(title(path)) as observer:
+        return pipeline.solve(scene, observer=observer, **options)
 
 
-def _tell(scene: str, result: "Result", required: tuple[Requirement, ...]) -> ExitCode:
+def _tell(name: str, result: "Result", required: tuple[Requirement, ...]) -> ExitCode:
     """Say on standard error what a reader of the exit code alone would miss."""
-    name = title(scene)
-    for warning in result.warnings:
-        warn(f"cgff: {name}: warning: {warning}")
     if not result.converged or result.interrupted or wanted("verbose"):
         say(f"cgff: {name}: {result.verdict}: {result.message}")
     if result.interrupted:
