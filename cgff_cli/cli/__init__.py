@@ -47,6 +47,13 @@ Shell completion (likewise zsh_source, fish_source):
 class _Program(LazyGroup):
     """The commands of COMMANDS; whatever goes wrong becomes words and an exit code."""
 
+    listed, noun, heading = COMMANDS, "command", "Commands"
+
+    def made(self, name: str) -> click.Command:
+        """Return a command, imported now."""
+        command: click.Command = import_module(f"cgff_cli.cli.{name}").command
+        return command
+
     def make_context(self, *arguments: Any, **more: Any) -> click.Context:
         """Read the command line."""
         with errors_reported():
@@ -62,15 +69,7 @@ class _Program(LazyGroup):
         return f"; did you mean 'cgff solve {word}'?" if os.path.exists(word) else super().meant(word)
 
 
-@click.group(
-    cls=_Program,
-    listed=COMMANDS,
-    made=lambda name: import_module(f"cgff_cli.cli.{name}").command,
-    noun="command",
-    heading="Commands",
-    context_settings={"help_option_names": ["-h", "--help"]},
-    epilog=_EPILOG,
-)
+@click.group(cls=_Program, context_settings={"help_option_names": ["-h", "--help"]}, epilog=_EPILOG)
 @click.version_option(__version__, prog_name="cgff", message="%(prog)s %(version)s")
 @word_options
 def main() -> None:

@@ -1,7 +1,7 @@
 """A group whose commands are made when they are called, and listed without being made."""
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Mapping
+from typing import ClassVar
 
 import click
 
@@ -10,24 +10,23 @@ from cgff_cli.hints import did_you_mean
 
 
 class LazyGroup(TellingCommand, click.Group):
-    """Commands known by name and a line of help.
+    """Commands known by name and a line of help; a group of its own kind says which.
 
     listed : name -> line of help, in the order to list them
-    made   : gives the command of a name
-    noun   : what one of them is called
+    noun, heading : what one of them is called, and all of them in the help
     """
 
-    def __init__(
-        self,
-        *args: Any,
-        listed: Mapping[str, str],
-        made: Callable[[str], click.Command],
-        noun: str,
-        heading: str,
-        **attributes: Any,
-    ):
-        super().__init__(*args, **attributes)
-        self.listed, self.made, self.noun, self.heading = listed, made, noun, heading
+    listed: ClassVar[Mapping[str, str]]
+    noun: ClassVar[str]
+    heading: ClassVar[str]
+
+    def made(self, name: str) -> click.Command:
+        """Return the command of a name."""
+        raise NotImplementedError
+
+    def meant(self, word: str) -> str:
+        """Return what may have been meant by an unknown name, or all there is."""
+        return did_you_mean(word, self.listed, "there are")
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Return the names in order."""
@@ -50,7 +49,3 @@ class LazyGroup(TellingCommand, click.Group):
         if word not in self.listed and not word.startswith("-") and not ctx.resilient_parsing:
             ctx.fail(f"no such {self.noun} {word!r}{self.meant(word)}")
         return super().resolve_command(ctx, args)
-
-    def meant(self, word: str) -> str:
-        """Return what may have been meant, or all there is."""
-        return did_you_mean(word, self.listed, "there are")

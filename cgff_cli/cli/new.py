@@ -69,16 +69,17 @@ def family_command(name: str) -> click.Command:
     return made(flags(*own, *common, _output_flags, word_options)(write))
 
 
-@click.group(
-    "new",
-    cls=LazyGroup,
-    listed=FAMILIES,
-    made=family_command,
-    noun="family",
-    heading="Families",
-    epilog=_EPILOG,
-    subcommand_metavar="FAMILY [OPTIONS]",
-)
+class _Families(LazyGroup):
+    """The families of FAMILIES."""
+
+    listed, noun, heading = FAMILIES, "family", "Families"
+
+    def made(self, name: str) -> click.Command:
+        """Return the command of a family."""
+        return family_command(name)
+
+
+@click.group("new", cls=_Families, epilog=_EPILOG, subcommand_metavar="FAMILY [OPTIONS]")
 @word_options
 def command() -> None:
     """Write a scene of a family: prisms, towers, polyhedra, nets, chains.

@@ -115,7 +115,6 @@ def test_what_has_no_json_form_is_refused():
 def test_blocks_join_without_a_seam(triangle: Result, monkeypatch: pytest.MonkeyPatch):
     whole = _pretty(triangle)
     monkeypatch.setattr(columns, "BLOCK_ROWS", 1)
-    monkeypatch.setattr(json_out, "_BATCH", 1)
     assert _pretty(triangle) == whole
 
 
