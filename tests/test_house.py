@@ -12,13 +12,13 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 380,
+    "top": 390,
     "analysis": 560,
     "bench": 770,
-    "cli": 1770,
+    "cli": 1690,
     "comparison": 520,
     "mechanics": 850,
-    "report": 1690,
+    "report": 1630,
     "rivals": 790,
     "scene": 3410,
     "solvers": 2120,
@@ -29,10 +29,9 @@ EVERY_FILE_OF_ITS_KIND = {"command", "equilibrium", "EXAMPLES", "form_find"}
 """What the commands, the families and the methods each have in a file of their own."""
 
 TWICE = {
-    "COLUMNS", "Case", "ELEMENT_COLUMNS", "EPILOG", "FLAT", "KINDS", "Mark", "Nodes", "Observer", "PATIENCE",
-    "Place", "Point", "Row", "Rows", "Rule", "Run", "SCHEMA", "SUFFIXES", "TIME_LIMIT", "TINY", "Table",
-    "VANISHED", "aligned", "coordinates", "dense", "elements", "energy", "number", "numbers", "read_elements",
-    "read_nodes", "run", "summary_text",
+    "COLUMNS", "Case", "FLAT", "KINDS", "Mark", "Nodes", "Observer", "PATIENCE", "Place", "Point", "Row",
+    "Rows", "Rule", "Run", "SCHEMA", "TIME_LIMIT", "TINY", "VANISHED", "aligned", "dense", "energy",
+    "number", "numbers", "read_elements", "read_nodes", "run", "summary_text",
 }  # fmt: skip
 """Names that still mean two things: none is to be added."""
 

@@ -106,11 +106,9 @@ def _line(record: dict[str, Any]) -> list[str]:
     )
     if not screen()["terminal"]:
         return [f"{line}\n"]
-    from rich.text import Text
+    from cgff_cli.report.terminal import wrapped
 
-    from cgff_cli.report.terminal import rendered
-
-    return [rendered([Text(line)], **screen())]
+    return [wrapped(line, **screen())]
 
 
 def _count(number: int, plural: str) -> str:

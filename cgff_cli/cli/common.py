@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from enum import IntEnum
 from functools import reduce
-from typing import TYPE_CHECKING, Any, TextIO, TypedDict, TypeVar
+from typing import TYPE_CHECKING, Any, TextIO, TypeVar
 
 import click
 
@@ -120,15 +120,8 @@ def wanted(word: str) -> bool | None:
     return ctx.meta.get(f"cgff.{word}") if ctx else None
 
 
-class Screen(TypedDict):
-    """What a page is drawn for: a terminal or not, in colour or not, None for the terminal's own habit."""
-
-    terminal: bool
-    colour: bool | None
-
-
-def screen() -> Screen:
-    """Return what standard output is."""
+def screen() -> dict[str, Any]:
+    """Return what a page is drawn for: a terminal or not; colour: None is the terminal's own habit."""
     return {"terminal": sys.stdout.isatty(), "colour": wanted("color")}
 
 

@@ -1,12 +1,12 @@
 """What the commands that compare methods share: flags, the options they stand for, where output goes."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import click
 
-from cgff_cli.cli.common import Decorated, SectionOption
-from cgff_cli.cli.options import FORMATS, given_solve_options, solve_option
+from cgff_cli.cli.common import Decorator, flag, flags
+from cgff_cli.cli.options import FORMATS, format_flag, given_solve_options, output_flag, solve_option
 from cgff_cli.cli.targets import form_of_data
 from cgff_cli.options import OPTIONS
 
@@ -27,69 +27,39 @@ RIVALS = {
 SOLVE_OPTIONS = tuple(name for name in OPTIONS if name not in ("method", "objective"))
 """The solve options that are flags here; the methods stand for the other two."""
 
-Flag = tuple[tuple[str, ...], str, dict[str, Any]]
-"""Names, section of the help, and attributes of an option."""
 
-
-def comparing_flags(
-    default: str, time_limit: float, contents: str, more: Sequence[Flag] = ()
-) -> Callable[[Decorated], Decorated]:
-    """Return what adds a flag per rival, then those of comparing, of output and of solving.
+def comparing_flags(default: str, time_limit: float, contents: str, *more: Decorator[Any]) -> Decorator[Any]:
+    """Return what adds a flag per rival, then those of comparing, of output, more, and of solving.
 
     default    : the method flag that holds where none is given
     time_limit : the command's own default
     contents   : what a file gets that -o names
     """
-    flags: list[Flag] = [
-        ((f"--{flag}",), f"Methods beside CGFF (--{default} unless given)", {"is_flag": True, "help": text})
-        for flag, (_, text) in RIVALS.items()
-    ]
-    flags += [_REPEAT, _time_limit(time_limit), _FORMAT, _output(contents), *more]
-
-    def add(function: Decorated) -> Decorated:
-        """Add the flags to a command."""
-        for name in reversed(SOLVE_OPTIONS):
-            function = solve_option(name, 1e-12 if name == "tolerance" else None)(function)
-        for names, section, attributes in reversed(flags):
-            function = click.option(*names, cls=SectionOption, section=section, **attributes)(function)
-        return function
-
-    return add
-
-
-_REPEAT: Flag = (
-    ("--repeat",),
-    "Comparing",
-    {
-        "type": click.IntRange(min=1),
-        "metavar": "N",
-        "help": "Runs of each method, in turn, unless one fails or runs out of time; times are medians. "
-        "Default: 3.",
-    },
-)
-
-_FORMAT: Flag = (
-    ("--format", "output_format"),
-    "Output",
-    {
-        "type": click.Choice(FORMATS),
-        "help": "What to write to standard output. Default: table on a terminal, json in a pipe.",
-    },
-)
-
-
-def _time_limit(default: float) -> Flag:
-    attributes = {
-        "type": click.FloatRange(min=0.0, min_open=True),
-        "metavar": "X",
-        "help": f"Seconds after which a run is ended. Default: {default:g}.",
-    }
-    return ("--time-limit",), "Comparing", attributes
-
-
-def _output(contents: str) -> Flag:
-    attributes = {"metavar": "FILE", "type": click.Path(allow_dash=True), "help": contents}
-    return ("-o", "--output"), "Output", attributes
+    heading = f"Methods beside CGFF (--{default} unless given)"
+    return flags(
+        *(flag(f"--{name}", section=heading, is_flag=True, help=text) for name, (_, text) in RIVALS.items()),
+        output_flag("-o", "--output", dash=True, help=contents),
+        format_flag(
+            *FORMATS, help="What to write to standard output. Default: table on a terminal, json in a pipe."
+        ),
+        *more,
+        flag(
+            "--repeat",
+            section="Comparing",
+            type=click.IntRange(min=1),
+            metavar="N",
+            help="Runs of each method, in turn, unless one fails or runs out of time; times are medians. "
+            "Default: 3.",
+        ),
+        flag(
+            "--time-limit",
+            section="Comparing",
+            type=click.FloatRange(min=0.0, min_open=True),
+            metavar="X",
+            help=f"Seconds after which a run is ended. Default: {time_limit:g}.",
+        ),
+        *(solve_option(name, 1e-12 if name == "tolerance" else None) for name in SOLVE_OPTIONS),
+    )
 
 
 def wanted_methods(values: Mapping[str, Any], default: str) -> list[str]:

@@ -2,19 +2,21 @@
 
 import inspect
 import os
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from cgff_cli.cli.common import Decorator, SectionCommand, examples, flag, flags, word_options
 from cgff_cli.cli.lazy import LazyGroup
-from cgff_cli.cli.options import Checked, output_flag, sentence
+from cgff_cli.cli.options import Checked, as_sentence, output_flag
 from cgff_cli.cli.targets import check_targets, files_among, form_of_file
 from cgff_cli.errors import OptionError
 from cgff_cli.report.files import STDOUT, write_output
 from cgff_cli.scene.families import FAMILIES
-from cgff_cli.scene.new import Made, find, make
 from cgff_cli.scene.parameters import Parameter
+
+if TYPE_CHECKING:
+    from cgff_cli.scene.new import Made
 
 MANY = 2000
 """Elements above which a scene file keeps its nodes and elements in tables beside it."""
@@ -46,6 +48,8 @@ _output_flags = flags(
 
 def family_command(name: str) -> click.Command:
     """Return the command of one family, its flags read from the signature of its function."""
+    from cgff_cli.scene.new import find, make
+
     family = find(name)
 
     @click.pass_context
@@ -100,11 +104,11 @@ def _parameter_flag(parameter: Parameter, section: str) -> Decorator[Any]:
         section=section,
         type=click.Choice(choices) if choices else Checked(letter, parameter.checked, *kinds),
         metavar=None if choices else letter,
-        help=sentence(parameter.rule.help) + default,
+        help=as_sentence(parameter.rule.help) + default,
     )
 
 
-def _write(made: Made, output: str, tables: bool | None) -> None:
+def _write(made: "Made", output: str, tables: bool | None) -> None:
     """Write a scene; its tables come first, so that a scene file never names one that is missing."""
     from cgff_cli.scene.tables_out import element_table, node_table
     from cgff_cli.scene.write import to_yaml

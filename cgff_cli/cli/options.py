@@ -103,11 +103,11 @@ def solve_option(name: str, default: object = None) -> Decorator[Any]:
         section="Solver",
         type=click.Choice(allowed) if allowed else Checked(letter, partial(checked, name), float),
         metavar=None if allowed else letter,
-        help=f"{sentence(rules['help'])} Default: {option.default if default is None else default}.",
+        help=f"{as_sentence(rules['help'])} Default: {option.default if default is None else default}.",
     )
 
 
-def sentence(text: str) -> str:
+def as_sentence(text: str) -> str:
     """Return a help text as a sentence; one that begins with an option's value keeps its first letter."""
     begins_with_value = text.split()[0].endswith((":", ","))
     return (text if begins_with_value else text[0].upper() + text[1:]).removesuffix(".") + "."

@@ -135,7 +135,11 @@ def _text(result: "Result", kind: str, form: str) -> Iterable[str]:
     if form == "csv":
         from cgff_cli.report import csv_out
 
-        writers = {"result": csv_out.coordinates, "history": csv_out.history, "elements": csv_out.elements}
+        writers = {
+            "result": csv_out.coordinate_table,
+            "history": csv_out.history,
+            "elements": csv_out.elements,
+        }
         return writers[kind](result)
     if form == "table":
         from cgff_cli.report.table import result_text
@@ -144,6 +148,6 @@ def _text(result: "Result", kind: str, form: str) -> Iterable[str]:
     from cgff_cli.report import json_out
 
     if kind == "elements":
-        return json_out.elements(result)
+        return json_out.element_records(result)
     layout = json_out.line if form == "lines" else json_out.pretty
     return layout(json_out.result_fields(result) if kind == "result" else result.history.items())

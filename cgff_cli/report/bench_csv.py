@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
-from cgff_cli.report.csv_out import records
+from cgff_cli.report.csv_out import columns
 
 AFTER = ("message", "digest")
 """Fields that come last, after those of the tolerances."""
@@ -13,7 +13,7 @@ def bench_table(rows: Iterable[Mapping[str, Any]]) -> Iterator[str]:
     """Yield the table; cells of what was never reached are empty."""
     lines = [_line(row) for row in rows]
     names = dict.fromkeys(name for line in lines for name in line if name not in AFTER)
-    return records(lines, (*names, *AFTER))
+    return columns({name: [line.get(name) for line in lines] for name in (*names, *AFTER)})
 
 
 def _line(row: Mapping[str, Any]) -> dict[str, Any]:

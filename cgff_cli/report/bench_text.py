@@ -1,23 +1,21 @@
 """The rows of a bench for the terminal: a block per case, and what all of them say together."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from rich.console import RenderableType
 from rich.text import Text
 
 from cgff_cli.report.terminal import (
-    Aligned,
     Column,
+    aligned,
     clean,
-    column,
     count,
     duration,
     fields,
     rendered,
-    stable_column,
-    verdict_column,
+    verdict_words,
 )
 
 SHOWN = ("1e-04", "1e-08", "1e-12")
@@ -79,21 +77,31 @@ def _case(rows: Rows) -> Iterator[RenderableType]:
     judged = {True: ", as expected", False: ", not as expected", None: ""}
     word = next((row["as_expected"] for row in rows if row["as_expected"] is not None), None)
     yield Text.assemble((clean(first["case"]), "bold"), "  ", (size + judged[word], "dim"))
-    yield Aligned(
+    verdicts = [verdict_words(row["verdict"]) for row in rows]
+    stable = {True: "stable", False: "not stable", None: "-"}
+    yield from aligned(
         [
             Column("method", [row["method"] for row in rows]),
-            verdict_column(row["verdict"] for row in rows),
-            stable_column(row["stable"] for row in rows),
-            column("residual", (row["residual_relative"] for row in rows), "{:.1e}".format),
-            column("shape", (row["shape_error"] for row in rows), "{:.1e}".format),
-            column("iterations", (row["iterations"] for row in rows)),
+            Column("verdict", [words for words, _ in verdicts], styles=[style for _, style in verdicts]),
+            Column("stability", [stable[row["stable"]] for row in rows]),
+            _column("residual", rows, "residual_relative", "{:.1e}".format),
+            _column("shape", rows, "shape_error", "{:.1e}".format),
+            _column("iterations", rows, "iterations", str),
             *(
-                column(f"to {tolerance}", (seconds_to(row, tolerance) for row in rows), duration)
+                Column(f"to {tolerance}", [_cell(seconds_to(row, tolerance), duration) for row in rows], True)
                 for tolerance in SHOWN
             ),
         ]
     )
     yield Text("")
+
+
+def _column(title: str, rows: Rows, name: str, text: Callable[[Any], str]) -> Column:
+    return Column(title, [_cell(row[name], text) for row in rows], True)
+
+
+def _cell(value: Any, text: Callable[[Any], str]) -> str:
+    return "-" if value is None else text(value)
 
 
 def _summary(rows: Rows) -> Iterator[RenderableType]:
@@ -104,16 +112,16 @@ def _summary(rows: Rows) -> Iterator[RenderableType]:
     balanced = [sum(bool(row["converged"]) for row in own[method]) for method in methods]
     columns = [
         Column("method", methods),
-        column("cases", (len(own[method]) for method in methods)),
-        column("equilibrium", balanced),
-        column("out of time", (ends[method]["time_limit"] for method in methods)),
-        column("failed", (ends[method]["failed"] for method in methods)),
+        Column("cases", [str(len(own[method])) for method in methods], True),
+        Column("equilibrium", [str(number) for number in balanced], True),
+        Column("out of time", [str(ends[method]["time_limit"]) for method in methods], True),
+        Column("failed", [str(ends[method]["failed"]) for method in methods], True),
     ]
     for tolerance in SHOWN:
         firsts = Counter(first_to(case, tolerance) for case in cases.values())
-        numbers = (None if method in TOLD_THE_ANSWER else firsts[method] for method in methods)
-        columns.append(column(f"first to {tolerance}", numbers))
-    yield Aligned(columns)
+        cells = ["-" if method in TOLD_THE_ANSWER else str(firsts[method]) for method in methods]
+        columns.append(Column(f"first to {tolerance}", cells, True))
+    yield from aligned(columns)
     yield Text("")
     yield fields(remarks(rows))
 

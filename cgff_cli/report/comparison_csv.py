@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from cgff_cli.comparison.record import Comparison, Method
-from cgff_cli.report.csv_out import records
+from cgff_cli.report.csv_out import columns
 
 SCALARS = tuple(
     name
@@ -16,7 +16,12 @@ SCALARS = tuple(
 def comparisons(found: Iterable[Comparison]) -> Iterator[str]:
     """Yield the table: scene, name, the scalar fields, then iterations and seconds to each tolerance."""
     rows = [row for comparison in found for row in _rows(comparison)]
-    return records(rows, dict.fromkeys(name for row in rows for name in row))
+    return columns({name: [row.get(name) for row in rows] for name in dict.fromkeys(_names(rows))})
+
+
+def _names(rows: list[dict[str, Any]]) -> Iterator[str]:
+    for row in rows:
+        yield from row
 
 
 def _rows(comparison: Comparison) -> Iterator[dict[str, Any]]:

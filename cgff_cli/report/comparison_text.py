@@ -11,17 +11,14 @@ from rich.text import Text
 from cgff_cli.comparison.record import Comparison, Method
 from cgff_cli.report.table import FEW
 from cgff_cli.report.terminal import (
-    Aligned,
     Column,
+    aligned,
     clean,
-    column,
     duration,
     fields,
     number,
     numbers,
     rendered,
-    stable_column,
-    verdict_column,
     verdict_words,
 )
 
@@ -49,19 +46,19 @@ def _page(comparison: Comparison, full: bool) -> Iterator[RenderableType]:
     shown = [method for method in comparison.methods if method.nodes is not None]
     yield Text.assemble((clean(comparison.source.name), "bold"), "  ", (_size(comparison), "dim"))
     yield Text("")
-    yield Aligned(_outcomes(comparison.methods))
+    yield from aligned(list(_outcomes(comparison.methods)))
     yield Text("")
     if len(shown) > 1:
-        yield Aligned(_differences(shown[1:]))
+        yield from aligned(list(_differences(shown[1:])))
         yield Text("")
     if full or len(comparison.source.node_names) <= FEW:
         yield from _coordinates(comparison, shown)
     yield from _members(comparison, shown, full)
     yield Text("iterations and time until the residual, over the largest force, is within", style="bold")
-    yield Aligned(_speed([(method.name, method.curve) for method in comparison.methods]))
+    yield from aligned(list(_speed([(method.name, method.curve) for method in comparison.methods])))
     yield Text("")
     yield Text("and until the error in shape, over the structure's size, is within", style="bold")
-    yield Aligned(_speed([(method.name, method.shape_curve) for method in comparison.methods]))
+    yield from aligned(list(_speed([(method.name, method.shape_curve) for method in comparison.methods])))
     yield Text("")
     yield fields(_notes(comparison))
 
@@ -72,9 +69,11 @@ def _size(comparison: Comparison) -> str:
 
 
 def _outcomes(methods: Sequence[Method]) -> Iterator[Column]:
+    verdicts = [verdict_words(method.verdict) for method in methods]
     yield Column("method", [method.name for method in methods])
-    yield verdict_column(method.verdict for method in methods)
-    yield stable_column(method.stable for method in methods)
+    yield Column("verdict", [words for words, _ in verdicts], styles=[style for _, style in verdicts])
+    stable = {True: "stable", False: "not stable", None: "-"}
+    yield Column("stability", [stable[method.stable] for method in methods])
     yield _column("residual", methods, "residual_relative", "{:.1e}".format)
     yield _column("energy", methods, "energy", number)
     yield _column("iterations", methods, "iterations", str)
@@ -95,7 +94,11 @@ def _differences(methods: Sequence[Method]) -> Iterator[Column]:
 
 
 def _column(title: str, methods: Sequence[Method], name: str, text: Callable[[Any], str]) -> Column:
-    return column(title, (getattr(method, name) for method in methods), text)
+    return Column(title, [_cell(getattr(method, name), text) for method in methods], True)
+
+
+def _cell(value: Any, text: Callable[[Any], str]) -> str:
+    return "-" if value is None else text(value)
 
 
 def _coordinates(comparison: Comparison, shown: Sequence[Method]) -> Iterator[RenderableType]:
@@ -107,16 +110,18 @@ def _coordinates(comparison: Comparison, shown: Sequence[Method]) -> Iterator[Re
             Column(method.name, numbers(X[:, k].tolist()), True)
             for method, X in zip(shown, shapes, strict=True)
         ]
-        yield Aligned([Column(axis, [clean(name) for name in names]), *columns])
+        yield from aligned([Column(axis, [clean(name) for name in names]), *columns])
         yield Text("")
 
 
 def _members(comparison: Comparison, shown: Sequence[Method], full: bool) -> Iterator[RenderableType]:
     """Yield force densities by group of the methods that have their own; in full, all of every element."""
     if full:
-        yield Aligned([*_labels(comparison, "length"), *_values(shown, "lengths")], keys=3)
+        yield from aligned([*_labels(comparison, "length"), *_values(shown, "lengths")], keys=3)
         yield Text("")
-        yield Aligned([*_labels(comparison, "force density"), *_values(shown, "force_densities")], keys=3)
+        yield from aligned(
+            [*_labels(comparison, "force density"), *_values(shown, "force_densities")], keys=3
+        )
         yield Text("")
         return
     own = [method for method in shown if method.name in ("cgff", "fdm", "schek")]
@@ -125,7 +130,7 @@ def _members(comparison: Comparison, shown: Sequence[Method], full: bool) -> Ite
     columns = [
         Column(method.name, [_span(method, slice(*rows)) for rows in pairwise(cuts)], True) for method in own
     ]
-    yield Aligned([Column("force densities", [clean(group.name) for group in groups]), *columns])
+    yield from aligned([Column("force densities", [clean(group.name) for group in groups]), *columns])
     yield Text("")
 
 

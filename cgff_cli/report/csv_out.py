@@ -9,11 +9,8 @@ from typing import Any
 from cgff_cli.report.columns import element_blocks, node_blocks
 from cgff_cli.report.result import Result
 
-Table = Mapping[str, Sequence[Any]]
-"""Column name -> values."""
 
-
-def coordinates(result: Result) -> Iterator[str]:
+def coordinate_table(result: Result) -> Iterator[str]:
     """Yield `name,x,y[,z]`: the columns a scene's node file has."""
     return _text(node_blocks(result))
 
@@ -28,17 +25,12 @@ def history(result: Result) -> Iterator[str]:
     return columns(result.history)
 
 
-def columns(table: Table) -> Iterator[str]:
+def columns(table: Mapping[str, Sequence[Any]]) -> Iterator[str]:
     """Yield a table given as column name -> values."""
     return _text([table])
 
 
-def records(rows: Sequence[Mapping[str, Any]], names: Iterable[str]) -> Iterator[str]:
-    """Yield a table of some fields of rows; a cell of what a row lacks is empty."""
-    return columns({name: [row.get(name) for row in rows] for name in names})
-
-
-def _text(blocks: Iterable[Table]) -> Iterator[str]:
+def _text(blocks: Iterable[Mapping[str, Sequence[Any]]]) -> Iterator[str]:
     """Yield blocks of one table, the header before the first."""
     for number, block in enumerate(blocks):
         out = io.StringIO()

@@ -49,7 +49,7 @@ def array(records: Iterable[Mapping[str, Any]]) -> Iterator[str]:
     return _array(map(encode, records))
 
 
-def elements(result: Result) -> Iterator[str]:
+def element_records(result: Result) -> Iterator[str]:
     """Yield the array of element records, one per line."""
     return _array(element_rows(result))
 

@@ -43,9 +43,9 @@ def summary_row(scene: str, result: Result) -> dict[str, Any]:
 
 def summary_csv(rows: Sequence[Row]) -> Iterator[str]:
     """Yield the rows as CSV; what a scene without a result lacks is an empty cell."""
-    from cgff_cli.report.csv_out import records
+    from cgff_cli.report.csv_out import columns
 
-    return records(rows, COLUMNS)
+    return columns({name: [row.get(name) for row in rows] for name in COLUMNS})
 
 
 def summary_lines(rows: Iterable[Row]) -> Iterator[str]:

@@ -7,12 +7,12 @@ import numpy as np
 from rich.console import RenderableType
 from rich.text import Text
 
+from cgff_cli.report.cells import column
 from cgff_cli.report.result import Result
 from cgff_cli.report.terminal import (
-    Aligned,
     Column,
+    aligned,
     clean,
-    column,
     count,
     duration,
     fields,
@@ -47,7 +47,7 @@ def _page(result: Result, full: bool) -> Iterator[RenderableType]:
     if result.source.supports:
         yield from _reactions(result, full)
     yield Text("")
-    yield _elements(result) if full or result.source.element_count <= FEW else _groups(result)
+    yield from _elements(result) if full or result.source.element_count <= FEW else _groups(result)
 
 
 def _facts(result: Result) -> Iterator[tuple[str, str]]:
@@ -114,7 +114,7 @@ def _nodes(result: Result, full: bool) -> Iterator[RenderableType]:
     X = result.coordinates
     ends = zip(X.min(axis=0), X.max(axis=0), strict=True)
     if full or len(X) <= FEW:
-        yield _vectors("node", result.source.node_names, X)
+        yield from _vectors("node", result.source.node_names, X)
     else:
         yield fields([("nodes", _by_axis(f"{number(low)} .. {number(high)}" for low, high in ends))])
 
@@ -124,24 +124,24 @@ def _reactions(result: Result, full: bool) -> Iterator[RenderableType]:
     values = np.array(list(reactions.values()))
     if full or len(values) <= FEW:
         yield Text("")
-        yield _vectors("reaction", reactions, values)
+        yield from _vectors("reaction", reactions, values)
     else:
         yield fields([("reactions", f"sum {_by_axis(map(number, values.sum(axis=0)))}")])
 
 
-def _vectors(title: str, names: Iterable[str], values: np.ndarray) -> RenderableType:
+def _vectors(title: str, names: Iterable[str], values: np.ndarray) -> Iterator[RenderableType]:
     axes = zip("xyz", values.T.tolist(), strict=False)
-    return Aligned([_names(title, names), *(Column(axis, numbers(own), True) for axis, own in axes)])
+    return aligned([_names(title, names), *(Column(axis, numbers(own), True) for axis, own in axes)])
 
 
 def _by_axis(texts: Iterable[str]) -> str:
     return ", ".join(f"{axis} {text}" for axis, text in zip("xyz", texts, strict=False))
 
 
-def _elements(result: Result) -> RenderableType:
+def _elements(result: Result) -> Iterator[RenderableType]:
     s, names, groups = result.structure, result.source.node_names, result.source.groups
     slack = ["slack" if slack else "" for slack in result.slack.tolist()]
-    return Aligned(
+    return aligned(
         [
             _names("element", (group.name for group in groups for _ in group.EA)),
             Column("kind", [group.kind for group in groups for _ in group.EA]),
@@ -156,10 +156,10 @@ def _elements(result: Result) -> RenderableType:
     )
 
 
-def _groups(result: Result) -> RenderableType:
+def _groups(result: Result) -> Iterator[RenderableType]:
     groups = result.groups
     slack = column("slack", (entry["slack"] for entry in groups.values()))
-    return Aligned(
+    return aligned(
         [
             _names("group", groups),
             Column("kind", [group.kind for group in result.source.groups]),

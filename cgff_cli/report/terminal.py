@@ -4,9 +4,9 @@ import io
 import math
 import os
 from bisect import bisect_right
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import accumulate, repeat
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from rich.cells import cell_len
 from rich.console import Console, ConsoleOptions, RenderableType
@@ -45,24 +45,6 @@ class Column(NamedTuple):
     styles: Sequence[str] = ()
 
 
-def column(
-    title: str, values: Iterable[Any], text: Callable[[Any], str] = str, *, right: bool = True
-) -> Column:
-    """Return a column of values as text, with a dash where there is none."""
-    return Column(title, ["-" if value is None else text(value) for value in values], right)
-
-
-def verdict_column(verdicts: Iterable[str]) -> Column:
-    """Return a column of verdicts in words, in their colours."""
-    said = list(map(verdict_words, verdicts))
-    return Column("verdict", [words for words, _ in said], styles=[style for _, style in said])
-
-
-def stable_column(stable: Iterable[bool | None]) -> Column:
-    """Return a column that tells what is stable."""
-    return column("stability", stable, {True: "stable", False: "not stable"}.__getitem__, right=False)
-
-
 def rendered(parts: Iterable[RenderableType], terminal: bool, colour: bool | None = None) -> str:
     """Return styled text as one string; words and tables wrap at a terminal's width, and nowhere else.
 
@@ -85,13 +67,18 @@ def rendered(parts: Iterable[RenderableType], terminal: bool, colour: bool | Non
     return "".join(f"{line.rstrip(' ')}\n" for line in out.getvalue().splitlines())
 
 
-class Aligned:
+def wrapped(text: str, *, terminal: bool, colour: bool | None = None) -> str:
+    """Return a text wrapped at a terminal's width."""
+    return rendered([Text(text)], terminal, colour)
+
+
+class _Aligned:
     """Titles, then rows, in columns as wide as their widest cells; on a narrow screen, some below the others.
 
     keys : how many columns name a row, and stand before every block of the others
     """
 
-    def __init__(self, columns: Iterable[Column], keys: int = 1):
+    def __init__(self, columns: Iterable[Column], keys: int):
         padded = list(map(_padded, columns))
         self.keys, self.others = padded[:keys], padded[keys:]
 
@@ -105,6 +92,11 @@ class Aligned:
             if not rest:
                 return
             yield Text("")
+
+
+def aligned(columns: Iterable[Column], keys: int = 1) -> Iterator[_Aligned]:
+    """Yield a table: its titles, then its rows; its first columns, the keys, name the rows."""
+    yield _Aligned(columns, keys)
 
 
 def _width(column: Column) -> int:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from cgff_cli.cli import COMMANDS
 from tests.cli.conftest import STRUCTURES
 
 CGFF = [sys.executable, "-m", "cgff_cli"]
@@ -100,11 +101,12 @@ def test_ctrl_c_leaves_the_cases_already_measured(tmp_path: Path):
 @pytest.mark.parametrize(
     ("arguments", "unwanted"),
     [
-        (["--help"], {"numpy", "yaml", "rich", "scipy", "json"}),
-        (["solve", "--help"], {"numpy", "yaml", "rich", "scipy", "json"}),
+        *(
+            ([*command, "--help"], {"numpy", "yaml", "rich", "scipy", "json"})
+            for command in ([], *([name] for name in COMMANDS))
+        ),
         (["solve", PRISM, "-o", "out.json"], {"scipy", "rich", "csv"}),
         (["check", PRISM], {"scipy", "rich", "json"}),
-        (["bench", "--help"], {"numpy", "yaml", "rich", "scipy", "json"}),
     ],
 )
 def test_only_what_is_needed_is_imported(tmp_path: Path, arguments: list[str], unwanted: set[str]):
