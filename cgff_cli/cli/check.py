@@ -1,6 +1,7 @@
 """`cgff check`: read and validate scenes, solve nothing."""
 
 from collections.abc import Iterable
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -73,17 +74,18 @@ def _placed(problem: Problem) -> dict[str, Any]:
 
 def _record(path: str, scene: "Scene | None", problems: list[dict[str, Any]]) -> dict[str, Any]:
     """Return what --format json prints; what a scene holds is null for one that cannot be used."""
-    record = {"path": title(path), "ok": scene is not None, "problems": problems}
-    if scene is None:
-        return record | {"warnings": []} | dict.fromkeys(("name", "law", "dimension", *_COUNTED))
-    counts = (scene.node_names, range(scene.element_count), scene.groups, scene.supports, scene.loads)
+    held = (
+        (scene.node_names, range(scene.element_count), scene.groups, scene.supports, scene.loads)
+        if scene
+        else ()
+    )
     return {
-        **record,
-        "warnings": list(scene.warnings),
-        "name": scene.name,
-        "law": scene.law,
-        "dimension": scene.dimension,
-        **dict(zip(_COUNTED, map(len, counts), strict=True)),
+        "path": title(path),
+        "ok": scene is not None,
+        "problems": problems,
+        "warnings": list(scene.warnings) if scene else [],
+        **{name: getattr(scene, name, None) for name in ("name", "law", "dimension")},
+        **dict(zip_longest(_COUNTED, map(len, held))),
     }
 
 

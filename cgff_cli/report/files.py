@@ -27,29 +27,14 @@ def write_output(path: str, chunks: Iterable[str]) -> None:
     older file as it was. Devices and pipes cannot be replaced and are written straight.
     Raises CgffError when the system refuses, BrokenPipeError when a reader has gone.
     """
-    try:
-        if path != STDOUT:
-            with _opened(path, "w", **_TEXT) as out:
-                out.writelines(chunks)
-            return
-        if isinstance(sys.stdout, io.TextIOWrapper):
-            sys.stdout.reconfigure(**_TEXT)
-        sys.stdout.writelines(chunks)
-        sys.stdout.flush()
-    except BrokenPipeError:
-        raise
-    except OSError as error:
-        name = "standard output" if path == STDOUT else path
-        raise CgffError(f"{name}: cannot be written: {error.strerror or error}") from error
+    with _opened(path, "w", **_TEXT) as out:
+        out.writelines(chunks)
 
 
 def write_bytes(path: str, data: bytes) -> None:
-    """Write a picture to a file, whole or not at all; raises CgffError when the system refuses."""
-    try:
-        with _opened(path, "wb") as out:
-            out.write(data)
-    except OSError as error:
-        raise CgffError(f"{path}: cannot be written: {error.strerror or error}") from error
+    """Write a picture to a file, whole or not at all; raises as `write_output` does."""
+    with _opened(path, "wb") as out:
+        out.write(data)
 
 
 def is_stream(path: str) -> bool:
@@ -91,17 +76,28 @@ def _held_open(path: str) -> int | None:
 
 @contextmanager
 def _opened(path: str, mode: str, **how: Any) -> Iterator[IO[Any]]:
-    """Give a file to write, which is put in its place once the body is done; a stream is written straight."""
+    """Give what is to be written, and say in words what the system refuses."""
     number = _held_open(path)
-    if number is not None:  # opened by name again, a closed one would take anything and tell nobody
-        with open(os.dup(number), mode, **how) as out:
-            yield out
-    elif is_stream(path):
-        with open(path, mode, **how) as out:
-            yield out
-    else:
-        with _in_place_once_complete(os.path.realpath(path)) as handle, open(handle, mode, **how) as out:
-            yield out
+    try:
+        if path == STDOUT:
+            if isinstance(sys.stdout, io.TextIOWrapper):
+                sys.stdout.reconfigure(**how)
+            yield sys.stdout
+            sys.stdout.flush()
+        elif number is not None:  # opened by name again, a closed one would take anything and tell nobody
+            with open(os.dup(number), mode, **how) as out:
+                yield out
+        elif is_stream(path):
+            with open(path, mode, **how) as out:
+                yield out
+        else:
+            with _in_place_once_complete(os.path.realpath(path)) as handle, open(handle, mode, **how) as out:
+                yield out
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        name = "standard output" if path == STDOUT else path
+        raise CgffError(f"{name}: cannot be written: {error.strerror or error}") from error
 
 
 @contextmanager
