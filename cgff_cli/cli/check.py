@@ -39,7 +39,7 @@ _EPILOG = examples("cgff check *.yaml", "cgff check --format json net.yaml | jq 
 @scenes_arguments
 @word_options
 @click.pass_context
-def command(ctx: click.Context, scenes: tuple[str, ...], output_format: str) -> None:
+def command(ctx: click.Context, scenes: tuple[str, ...], output_format: str, **_: Any) -> None:
     """Read and validate scenes without solving them.
 
     Every problem of a file is reported at once on standard error, as path:line:column: message.

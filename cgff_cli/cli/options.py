@@ -8,13 +8,12 @@ from typing import Any
 
 import click
 
-from cgff_cli.cli.common import Decorated, Decorator, flag, flags
+from cgff_cli.cli.common import Decorator, flag, flags
 from cgff_cli.errors import OptionError
 from cgff_cli.options import OPTIONS, checked
 from cgff_cli.report.files import STDOUT
 
 FORMATS = ("table", "json", "csv")
-_LIST = "cgff.list"
 
 
 class Checked(click.ParamType):
@@ -40,34 +39,11 @@ class Checked(click.ParamType):
         return value
 
 
-def scenes_arguments(function: Decorated) -> Decorated:
-    """Add SCENE... and --files-from; a command gets the scenes of both."""
-    listed = flag(
-        "--files-from",
-        section="Scenes",
-        metavar="FILE",
-        type=click.Path(allow_dash=True),
-        expose_value=False,
-        is_eager=True,
-        callback=lambda ctx, _, path: ctx.meta.__setitem__(_LIST, path),
-        help="Also take the scenes that FILE names, one a line; - is standard input.",
-    )
-    kind = click.Path(allow_dash=True)
-    given = click.argument("scenes", nargs=-1, metavar="SCENE...", type=kind, callback=_all_scenes)
-    return given(listed(function))
-
-
-def list_given() -> str | None:
-    """Return the file of --files-from, None where there is none."""
-    path: str | None = click.get_current_context().meta.get(_LIST)
-    return path
-
-
 def _all_scenes(ctx: click.Context, argument: click.Parameter, given: tuple[str, ...]) -> tuple[str, ...]:
     """Return the scenes given and those listed, where there is one at all."""
     if ctx.resilient_parsing:
         return given
-    path = list_given()
+    path = ctx.params["files_from"]
     scenes = (*given, *(_lines(path) if path is not None else ()))
     if not scenes:
         raise click.MissingParameter(ctx=ctx, param=argument)
@@ -89,6 +65,26 @@ def _lines(path: str) -> list[str]:
     except OSError as error:
         raise click.UsageError(f"--files-from {path}: cannot be read: {error.strerror}") from None
     return [os.fsdecode(line) for line in lines if line.strip()]
+
+
+scenes_arguments = flags(
+    flag(
+        "--files-from",
+        section="Scenes",
+        metavar="FILE",
+        type=click.Path(allow_dash=True),
+        is_eager=True,
+        help="Also take the scenes that FILE names, one a line; - is standard input.",
+    ),
+    click.argument(
+        "scenes",
+        nargs=-1,
+        metavar="SCENE...",
+        type=click.Path(allow_dash=True),
+        callback=_all_scenes,
+    ),
+)
+"""Adds SCENE... and --files-from; a command gets the scenes of both."""
 
 
 def solve_option(name: str, default: object = None) -> Decorator[Any]:

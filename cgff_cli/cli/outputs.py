@@ -45,7 +45,7 @@ class Outputs:
             lines of JSON, or nothing. Files silence it, unless --format table or jsonl asks for both.
     """
 
-    def __init__(self, scenes: Sequence[str], flags: Mapping[str, Any], list_file: str | None = None):
+    def __init__(self, scenes: Sequence[str], flags: Mapping[str, Any]):
         _refuse_conflicts(scenes, flags)
         self.summary: str | None = flags["summary"]
         self.as_lines = bool(self.summary) and form_of_file("--summary", self.summary, SUMMARY) == "jsonl"
@@ -54,7 +54,7 @@ class Outputs:
         self.rows: list[dict[str, Any]] = []
         own = [(file.path, f"the {file.kind} of {scene}") for scene in scenes for file in self.files[scene]]
         self.targets = files_among([*own, (self.summary, "the summary")])
-        listed = files_among([(list_file, "the list of scenes")])
+        listed = files_among([(flags["files_from"], "the list of scenes")])
         check_targets(self.targets, (*listed, *files_of(scenes)), flags["out_dir"])
 
     @property

@@ -22,7 +22,6 @@ from cgff_cli.cli.common import (
 from cgff_cli.cli.options import (
     Checked,
     given_solve_options,
-    list_given,
     output_options,
     scenes_arguments,
     solve_options,
@@ -61,7 +60,7 @@ def command(ctx: click.Context, scenes: tuple[str, ...], **values: Any) -> None:
     """
     options = given_solve_options(values)
     required = tuple(chain.from_iterable(values["require"]))
-    outputs = Outputs(scenes, values, list_given())
+    outputs = Outputs(scenes, values)
     code = ExitCode.OK
     for scene in scenes:
         code = worst(code, _solve(scene, options, outputs, required))
