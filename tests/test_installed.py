@@ -46,3 +46,8 @@ def test_a_checkout_has_them_beside_the_package():
     assert Path(cgff_cli.shipped("prism")) == ROOT / "structures" / "prism.yaml"
     with pytest.raises(cgff_cli.CgffError, match=r"no scene tensegrity.yaml comes with this installation"):
         cgff_cli.shipped("tensegrity")
+
+
+def test_the_pages_beside_the_rooms_stay_in_the_clone(installed: Path):
+    assert list((ROOT / "cgff_cli").rglob("*.md"))
+    assert not list((installed / "cgff_cli").rglob("*.md"))

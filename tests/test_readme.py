@@ -1,4 +1,4 @@
-"""The README: its commands run and show what it shows, its tables list what there is."""
+"""The README and its pages: commands show what they say, tables list what there is, links lead somewhere."""
 
 import doctest
 import os
@@ -21,20 +21,22 @@ from cgff_cli.cli.requirements import ALLOWED, MOST_DIRECTIONS
 from cgff_cli.comparison.runs import EVALUATIONS_PER_ITERATION
 from cgff_cli.mechanics.connectivity import DENSE_ENTRIES
 from cgff_cli.options import OPTIONS
+from cgff_cli.report.columns import ELEMENT_COLUMNS, node_columns
 from cgff_cli.report.result import FIELDS
+from cgff_cli.report.rows import COLUMNS as SUMMARY
 from cgff_cli.rivals.registry import REGISTRY
 from cgff_cli.rivals.scipy_solvers import MOST_DENSE
 from cgff_cli.solvers.solution import COLUMNS
 from cgff_cli.solvers.stopping import Verdict
+from tests.pages import PAGES, README, ROOT, WORDS, Block, blocks, code_in, rows, section
 
-ROOT = Path(__file__).parents[1]
-README = (ROOT / "README.md").read_text(encoding="utf-8")
-BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```$", README, re.MULTILINE | re.DOTALL)
-TEXT = re.sub(r"^```.*?^```$", "", README, flags=re.MULTILINE | re.DOTALL)
-SHELL = [text for kind, text in BLOCKS if kind == "sh"]
-CONSOLE = [text for kind, text in BLOCKS if kind == "console"]
-SCENES = [text for kind, text in BLOCKS if kind in ("yaml", "json") and not text.startswith("- ")]
+SHELL = [block.text for block in blocks("sh")]
+CONSOLE = blocks("console")
+SCENES = [block for kind in ("yaml", "json") for block in blocks(kind) if not block.text.startswith("- ")]
 SET_UP = [text for text in SHELL if "pip install" in text]
+MOST_LINES = 300
+SCREEN = (24, 80)
+WIDE = 110
 
 
 @pytest.fixture
@@ -51,10 +53,10 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def shown(command: str) -> str:
-    """Return what a terminal of 110 columns shows of a shell command: words first, then data."""
+def shown(command: str, columns: int) -> str:
+    """Return what a terminal shows of a shell command: words first, then data."""
     ours, theirs = pty.openpty()
-    environment = {**os.environ, "NO_COLOR": "1", "TERM": "xterm", "COLUMNS": "110"}
+    environment = {**os.environ, "NO_COLOR": "1", "TERM": "xterm", "COLUMNS": str(columns)}
     running = subprocess.Popen(
         ["bash", "-c", command],
         stdout=theirs,
@@ -87,31 +89,42 @@ def masked(text: str) -> str:
     return re.sub(r"\b\d\.\d+e-1\d", "ROUNDING", text)
 
 
-def rows(heading: str) -> list[list[str]]:
-    """Return the cells of the first table below a heading."""
-    table = re.search(r"^\|.*?(?=\n\n)", README[README.index(f"# {heading}\n") :], re.MULTILINE | re.DOTALL)
-    assert table
-    lines = [line.strip("|").replace(r"\|", "\0").split("|") for line in table[0].splitlines()]
-    return [[cell.replace("\0", "|").strip() for cell in line] for line in lines[2:]]
-
-
-def code_in(*cells: str) -> list[str]:
-    """Return what stands between backticks."""
-    return [word for cell in cells for word in re.findall(r"`([^`]+)`", cell)]
-
-
-@pytest.mark.parametrize("block", CONSOLE)
-def test_a_command_shows_what_the_readme_says(folder: Path, block: str):
-    line, _, expected = block.partition("\n")
-    made = masked(shown(line.removeprefix("$ "))).splitlines()
-    place = 0
+def differs(block: Block) -> str:
+    """Return what a console block says and the program does not, or nothing."""
+    line, _, expected = block.text.partition("\n")
+    columns = SCREEN[1] if max(map(len, block.text.splitlines())) <= SCREEN[1] else WIDE
+    made = masked(shown(line.removeprefix("$ "), columns)).splitlines()
+    place, told = 0, [f"{block.place}: of `{line}`"]
     for part in re.split(r"^\.\.\.\n", masked(expected), flags=re.MULTILINE):
         wanted = part.splitlines()
         starts = [i for i in range(place, len(made) + 1) if made[i : i + len(wanted)] == wanted]
-        assert starts, "\n".join([f"of `{line}` this is not shown:", part, "but this:", *made])
+        if not starts:
+            return "\n".join([*told, "this is not shown:", part, "but this:", *made])
         place = starts[0] + len(wanted)
-    if not block.endswith("...\n"):
-        assert place == len(made)
+    if block.text.endswith("...\n") or place == len(made):
+        return ""
+    return "\n".join([*told, "this is shown as well:", *made[place:]])
+
+
+def test_a_command_shows_what_the_page_says(folder: Path):
+    wrong = [told for block in CONSOLE if (told := differs(block))]
+    assert not wrong, "\n\n".join(wrong)
+
+
+def test_another_figure_would_be_seen(folder: Path):
+    first = CONSOLE[0]
+    assert "of `$ cgff solve" in differs(
+        first._replace(text=first.text.replace("8 iterations", "7 iterations"))
+    )
+    assert "as well" in differs(first._replace(text=first.text.rpartition("...\n")[0]))
+
+
+def test_the_readme_takes_five_minutes_and_its_first_screen_shows_a_command_and_its_output():
+    lines = README.text.splitlines()
+    assert len(lines) <= MOST_LINES
+    height, width = SCREEN
+    assert max(map(len, lines[:height])) <= width
+    assert CONSOLE[0].text in "\n".join([*lines[:height], ""])
 
 
 def test_one_command_sets_up_and_solves_and_one_sets_up_and_tests():
@@ -120,7 +133,7 @@ def test_one_command_sets_up_and_solves_and_one_sets_up_and_tests():
     assert job.split(" && ") == [
         "python3 -m venv .venv",
         ".venv/bin/python -m pip install .",
-        ".venv/bin/" + CONSOLE[0].splitlines()[0].removeprefix("$ "),
+        ".venv/bin/" + CONSOLE[0].text.splitlines()[0].removeprefix("$ "),
     ]
     run = tests.split(" && ")
     installed = ".venv-test/bin/python -m pip install -c tests/constraints.txt -e '.[test]'"
@@ -131,41 +144,44 @@ def test_one_command_sets_up_and_solves_and_one_sets_up_and_tests():
 
 
 def test_other_shell_lines_run(folder: Path):
-    others = [text for text in SHELL if text not in SET_UP and "hyperfine" not in text]
+    others = [text for text in SHELL if text not in SET_UP]
     assert others
     for text in others:
         assert subprocess.run(["bash", "-ec", text], capture_output=True, check=True).stderr == b""
 
 
-def test_the_first_scene_is_the_shipped_prism_without_its_comments():
+def test_the_first_scene_is_the_shipped_prism_but_for_comments():
     shipped = (ROOT / "structures" / "prism.yaml").read_text()
-    assert SCENES[0] == re.sub(r"^#.*\n", "", shipped, flags=re.MULTILINE)
+    uncommented = re.sub(r" +#.*$", "", SCENES[0].text, flags=re.MULTILINE)
+    assert uncommented == re.sub(r"^#.*\n", "", shipped, flags=re.MULTILINE)
 
 
-@pytest.mark.parametrize("text", SCENES)
-def test_every_scene_shown_solves(folder: Path, text: str):
-    result = solved(text)
-    assert result.converged
-    assert result.warnings == ()
+def test_every_scene_shown_solves_without_a_warning(folder: Path):
+    ends = {scene.place: solved(scene.text) for scene in SCENES}
+    assert not [
+        (place, end.message, end.warnings) for place, end in ends.items() if not end.converged or end.warnings
+    ]
 
 
 def test_the_csv_tables_and_the_json_say_the_same(folder: Path):
-    by_tables, by_json = (solved(text) for text in SCENES if ".csv" in text or text.startswith("{"))
+    texts = [scene.text for scene in SCENES]
+    by_tables, by_json = (solved(text) for text in texts if ".csv" in text or text.startswith("{"))
     assert by_tables.nodes == by_json.nodes
 
 
 def solved(text: str) -> cgff_cli.Result:
     """Return the result of a scene, beside the CSV tables shown."""
-    tables = [table for kind, table in BLOCKS if kind == "csv"]
+    tables = [table.text for table in blocks("csv")]
     for name, table in zip(re.findall(r"[\w-]+\.csv", text), tables, strict=False):
         Path(name).write_text(table)
     return cgff_cli.solve(cgff_cli.loads(text))
 
 
 def test_the_python_shown_gives_what_it_shows(folder: Path):
-    (text,) = [text for kind, text in BLOCKS if kind == "python"]
     runner = doctest.DocTestRunner(verbose=False)
-    runner.run(doctest.DocTestParser().get_doctest(text, {}, "README", "README.md", 0))
+    for block in blocks("python"):
+        name, _, line = block.place.partition(":")
+        runner.run(doctest.DocTestParser().get_doctest(block.text, {}, name, name, int(line)))
     assert runner.tries > 5
     assert runner.failures == 0
 
@@ -176,8 +192,8 @@ def test_every_command_is_listed_and_no_other():
 
 def test_the_exit_codes_are_those_of_the_program():
     assert [int(code) for code, _ in rows("Exit codes")] == sorted(ExitCode)
-    assert f"{ALLOWED.removesuffix('X')}0.02" in TEXT
-    assert f"up to {MOST_DIRECTIONS} free directions" in TEXT
+    assert f"{ALLOWED.removesuffix('X')}0.02" in section("Exit codes")
+    assert f"up to {MOST_DIRECTIONS} free directions" in section("Exit codes")
 
 
 def test_the_solve_options_are_those_of_the_program():
@@ -186,7 +202,7 @@ def test_the_solve_options_are_those_of_the_program():
 
 
 def option_row(name: str) -> str:
-    """Return an option's row in the README."""
+    """Return an option's row in the table."""
     option = OPTIONS[name]
     rules = option.metadata
     if rules["type"] is str:
@@ -214,7 +230,26 @@ def test_the_fields_of_a_result_are_those_of_the_program():
 def test_the_fields_of_the_analysis_are_those_of_the_program():
     result = cgff_cli.solve(ROOT / "structures" / "prism.yaml")
     assert {name for row in rows("Analysis") for name in code_in(row[0])} == set(result.analysis)
-    assert f"more than {SMALL}\nfree directions or {DENSE_ENTRIES // 1000} 000 entries" in TEXT
+    assert f"more than {SMALL}\nfree directions or {DENSE_ENTRIES // 1000} 000 entries" in section("Analysis")
+
+
+def test_the_columns_of_csv_tables_are_those_of_the_program():
+    columns = {row[0]: code_in(row[2]) for row in rows("CSV")}
+    assert columns["summary"] == list(SUMMARY)
+    result = cgff_cli.solve(ROOT / "structures" / "prism.yaml")
+    assert columns["coordinates"] == list(node_columns(result))
+    assert list(ELEMENT_COLUMNS) == list(result.elements[0])
+
+
+def test_the_fields_of_a_comparison_are_those_of_the_program():
+    compared = cgff_cli.compare(ROOT / "structures" / "prism.yaml", ["lm"], repeat=1).to_dict()
+    table = rows("Comparisons")
+    method = compared["methods"][0]
+    assert [name for row in table for name in code_in(row[0])] == list(method)
+    meaning = {row[0].strip("`"): code_in(row[1]) for row in table}
+    for curve in ("curve", "shape_curve"):
+        assert list(method[curve][0]) == meaning[curve]
+    assert set(compared) - {"methods"} <= set(code_in(section("Comparisons").partition("|")[0]))
 
 
 def test_the_methods_of_a_comparison_are_those_of_the_program():
@@ -222,8 +257,8 @@ def test_the_methods_of_a_comparison_are_those_of_the_program():
     assert {name for row in table for name in code_in(row[1])} == set(REGISTRY)
     flags = {row[0].strip("`"): code_in(row[1]) for row in table if row[0]}
     assert flags == {f"--{flag}": [name] if name != "all" else [] for flag, (name, _) in RIVALS.items()}
-    assert f"up to {MOST_DENSE} unknowns" in TEXT
-    assert f"take {EVALUATIONS_PER_ITERATION} evaluations for each" in TEXT
+    assert f"up to {MOST_DENSE} unknowns" in section("Comparison")
+    assert f"take {EVALUATIONS_PER_ITERATION} evaluations for each" in section("Comparison")
 
 
 def test_the_verdicts_are_those_of_the_program():
@@ -231,36 +266,60 @@ def test_the_verdicts_are_those_of_the_program():
 
 
 def test_the_size_from_which_matrices_are_sparse_is_that_of_the_program():
-    assert f"up to {DENSE_ENTRIES // 1000} 000 entries in rho" in TEXT
+    assert f"up to {DENSE_ENTRIES // 1000} 000 entries in rho" in section("Preconditioners")
 
 
 def test_every_flag_named_exists():
     context = click.Context(main)
     commands = [main, *(main.get_command(context, name) for name in COMMANDS)]
     options = [option for command in commands if command for option in command.params]
-    flags = {flag for option in options for flag in (*option.opts, *option.secondary_opts)}
-    flags |= {"--help", *(flag for row in rows("Measured") for flag in re.findall(r"--[\w-]+", row[-1]))}
-    console = [text.partition("\n")[0] for text in CONSOLE]
-    named = {flag for text in (TEXT, *console) for flag in re.findall(r"(?<![\w-])--[a-z][a-z0-9-]*", text)}
-    assert {"--tolerance", "--out-dir"} <= named <= flags
+    flags = {flag for option in options for flag in (*option.opts, *option.secondary_opts)} | {"--help"}
+    own = re.sub(r"`(?:python|hyperfine) [^`]+`", "", WORDS)
+    console = [block.text.partition("\n")[0] for block in CONSOLE]
+    named = {flag for text in (own, *console) for flag in re.findall(r"(?<![\w-])--[a-z][a-z0-9-]*", text)}
+    assert {"--tolerance", "--out-dir", "--all"} <= named
+    assert not named - flags
 
 
-def test_every_figure_names_a_command_that_exists():
+def test_every_study_named_exists_and_has_the_flags_it_is_given():
+    studies = [code.split() for code in code_in(WORDS) if code.startswith("python tests/")]
+    assert len(studies) > 20
+    for _, script, *arguments in studies:
+        source = (ROOT / script).read_text()
+        missing = [word for word in arguments if word.startswith("--") and f'"{word}"' not in source]
+        assert not missing, (script, missing)
+
+
+def test_every_figure_names_its_command():
     commands = [code_in(row[-1]) for row in rows("Measured")]
     assert commands
     for (command,) in commands:
-        word, script, *arguments = command.split()
-        if word == "python":
-            source = (ROOT / script).read_text()
-            for flag in [word for word in arguments if word.startswith("--")]:
-                assert f'"{flag}"' in source
-        else:
-            assert command.startswith(("cgff solve structures/", "cgff bench ", "hyperfine -N "))
+        assert command.startswith(("python tests/studies/", "cgff bench ", "hyperfine -N "))
 
 
 def test_every_file_named_exists():
-    for path in re.findall(r"\b(?:tests|structures)/[\w./-]+\.(?:py|yaml)\b", README):
-        assert (ROOT / path).is_file(), path
+    named = r"\b(?:tests|structures|cgff_cli)/[\w./-]+\.(?:py|yaml|json|txt|md|sh)\b"
+    missing = [(page.name, path) for page in PAGES for path in re.findall(named, page.text)]
+    assert not [(name, path) for name, path in missing if not (ROOT / path).is_file()]
+
+
+def test_every_link_leads_to_a_page_and_a_heading():
+    headings = {page.path: {anchor(heading) for heading in page.headings} for page in PAGES}
+    for page in PAGES:
+        for path, heading in re.findall(r"\]\(([^)#\s]*)#?([^)\s]*)\)", page.words):
+            target = (page.path.parent / path).resolve() if path else page.path
+            assert target in headings, (page.name, path)
+            assert not heading or heading in headings[target], (page.name, path, heading)
+
+
+def anchor(heading: str) -> str:
+    """Return the name by which links find a heading."""
+    return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
+
+
+def test_the_readme_names_every_other_page():
+    linked = [name for row in rows("Where to read on") for name in re.findall(r"\]\(([^)]+)\)", row[0])]
+    assert sorted(linked) == sorted(page.name for page in PAGES if page is not README)
 
 
 def test_table_1_converges_on_none_of_the_structures():

@@ -1,7 +1,6 @@
-"""The README's figures of `cgff bench` are those of the committed record, and it lists what a row holds."""
+"""The pages' figures of `cgff bench` are those of the committed record, and they list what a row holds."""
 
 import json
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -13,11 +12,11 @@ from cgff_cli.bench.expectation import BALANCED, KINDS
 from cgff_cli.bench.measure import ROW_FIELDS
 from cgff_cli.bench.record import SCHEMA
 from cgff_cli.bench.suite import cases_of, standard
-from tests.studies.readme_tables import BLOCK, MAKERS, README, RECORD, filled
-from tests.test_readme import code_in, rows
+from tests.pages import ROOT, WORDS, blocks, code_in, rows, section
+from tests.studies.readme_tables import BLOCK, MAKERS, PAGE, RECORD, filled
 
 RECORDED = json.loads(RECORD.read_text())
-TEXT = README.read_text(encoding="utf-8")
+TEXT = PAGE.read_text(encoding="utf-8")
 
 
 def test_the_figures_are_those_of_the_record():
@@ -38,7 +37,7 @@ def test_the_record_is_of_the_suite_that_comes_with_the_program_by_all_methods()
     assert names == [case.id for case in cases_of([standard()])]
     nodes = [row["nodes"] for row in RECORDED["rows"]]
     said = f"{len(names)} scenes of {min(nodes)} to {max(nodes)} nodes"
-    assert " ".join(TEXT.split()).count(said) == 2
+    assert " ".join(WORDS.split()).count(said) == 2
 
 
 def test_cgff_has_an_answer_in_every_case_of_the_record_and_equal_energies_one_shape():
@@ -47,22 +46,21 @@ def test_cgff_has_an_answer_in_every_case_of_the_record_and_equal_energies_one_s
 
 
 def test_the_fields_of_a_row_are_those_of_the_program():
-    assert [name for row in rows("Bench") for name in code_in(row[0])] == list(ROW_FIELDS)
+    assert [name for row in rows("Bench rows") for name in code_in(row[0])] == list(ROW_FIELDS)
 
 
 def test_the_changes_and_outcomes_of_a_suite_are_those_of_the_program():
-    words = re.sub(r"^```.*?^```$", "", TEXT, flags=re.MULTILINE | re.DOTALL)
-    named = set(code_in(words[words.index("### Bench\n") : words.index("## Results\n")]))
+    named = set(code_in(section("Bench")))
     assert set(CHANGES) <= named
     assert {f"{word}-" for word in ("balanced", *BALANCED)} | set(KINDS) <= named
 
 
 def test_the_suite_shown_can_be_measured(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    (shown,) = re.findall(r"^```yaml\n(- .*?)^```$", TEXT, re.MULTILINE | re.DOTALL)
-    (tmp_path / "structures").symlink_to(README.parent / "structures")
+    (shown,) = [block.text for block in blocks("yaml") if block.text.startswith("- ")]
+    (tmp_path / "structures").symlink_to(ROOT / "structures")
     (tmp_path / "suite.yaml").write_text(shown)
     command = [sys.executable, "-m", "cgff_cli", "bench", "suite.yaml", "--dr", "--repeat", "1"]
-    monkeypatch.setenv("PYTHONPATH", str(README.parent))
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
     ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
     assert (ended.returncode, ended.stderr) == (0, "")
     judged = {row["case"]: row["as_expected"] for row in json.loads(ended.stdout)["rows"][::2]}

@@ -1,4 +1,4 @@
-"""The README on the paper's claims: its figures are the committed ones, and what is exact holds here too."""
+"""The page on the paper's claims: its figures are the committed ones, and what is exact holds here too."""
 
 import re
 from pathlib import Path
@@ -8,12 +8,12 @@ import pytest
 
 import cgff_cli
 from tests.bodies import forces_by_loop
+from tests.pages import ROOT, section
 from tests.shapes import STRUCTURES
 from tests.studies.claims import convexity, iterations, readme, speed, tables
 from tests.studies.claims.cases import NAMES, structure_of
 
-ROOT = Path(__file__).parents[2]
-SECTION = "## What the paper claims and what we measured\n"
+SECTION = "What the paper claims and what we measured"
 
 
 @pytest.fixture(scope="module")
@@ -27,10 +27,8 @@ def half_squared_residual(structure, X: np.ndarray) -> float:
     return 0.5 * float((eta * eta).sum())
 
 
-def test_the_table_in_the_readme_is_made_of_the_committed_figures(committed):
-    page = (ROOT / "README.md").read_text(encoding="utf-8")
-    assert SECTION + "\n" in page
-    shown = page.partition(readme.BEGIN)[2].partition(readme.END)[0]
+def test_the_table_on_the_page_is_made_of_the_committed_figures(committed):
+    shown = section(SECTION).partition(readme.BEGIN)[2].partition(readme.END)[0]
     assert shown == readme.text(committed), "made by: python tests/studies/paper_claims.py --readme"
 
 

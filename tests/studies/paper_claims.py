@@ -3,8 +3,8 @@
     python tests/studies/paper_claims.py [tables] [iterations] [speed] [convexity] [--json FILE] [--readme]
 
 All parts unless some are named; about three minutes. --json writes what was measured, keeping the parts of
-an existing file that were not measured again; --readme measures nothing and rewrites the README's table
-from paper_claims.json beside this file.
+an existing file that were not measured again; --readme measures nothing and rewrites the table of README.md
+from paper_claims.json, both beside this file.
 """
 
 import argparse
@@ -36,7 +36,7 @@ def main() -> None:
     if unknown := set(arguments.parts) - set(PARTS):
         parser.error(f"unknown parts: {', '.join(sorted(unknown))}")
     if arguments.readme:
-        readme.rewrite(ROOT / "README.md", readme.committed())
+        readme.rewrite(readme.PAGE, readme.committed())
         return
     found = {}
     for name in arguments.parts or PARTS:

@@ -1,8 +1,8 @@
-"""Write into the README what `cgff bench` measured: the blocks from `<!-- bench: NAME -->` to `<!-- end -->`.
+"""Write into README.md beside this file what `cgff bench` measured: from `<!-- bench: NAME -->` to its end.
 
     cgff bench -o tests/studies/bench.json && python tests/studies/readme_tables.py
 
-All of it comes from bench.json beside this file; the rest of the README stays as it is.
+All of it comes from bench.json, also beside this file; the rest of the page stays as it is.
 """
 
 import json
@@ -14,8 +14,7 @@ from typing import Any
 
 from cgff_cli.report.bench_text import SHOWN, by_case, first_to, remarks, seconds_to
 
-ROOT = Path(__file__).parents[2]
-README = ROOT / "README.md"
+PAGE = Path(__file__).parent / "README.md"
 RECORD = Path(__file__).parent / "bench.json"
 BLOCK = re.compile(r"(<!-- bench: ([\w ]+) -->\n).*?(<!-- end -->)", re.DOTALL)
 COLUMNS = ("cgff", "cgff-residual", "table1", "fdm or schek", "fsolve", "fsolve-fd", "lm", "lbfgs", "dr")
@@ -25,7 +24,7 @@ Row = dict[str, Any]
 
 
 def filled(text: str, record: dict[str, Any]) -> str:
-    """Return the README's text with its blocks made anew."""
+    """Return the page's text with its blocks made anew."""
 
     def made(found: re.Match[str]) -> str:
         return found[1] + "\n".join(MAKERS[found[2]](record)) + "\n" + found[3]
@@ -141,8 +140,8 @@ MAKERS = {
 
 
 def main() -> None:
-    text = README.read_text(encoding="utf-8")
-    README.write_text(filled(text, json.loads(RECORD.read_text())), encoding="utf-8")
+    text = PAGE.read_text(encoding="utf-8")
+    PAGE.write_text(filled(text, json.loads(RECORD.read_text())), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""The README's table of the paper's claims: table.md with the figures of paper_claims.json."""
+"""The table of the paper's claims in README.md one folder up: table.md with figures of paper_claims.json."""
 
 import json
 import re
@@ -9,6 +9,7 @@ from typing import Any
 
 BEGIN, END = "<!-- paper -->\n", "<!-- end -->"
 TEMPLATE = Path(__file__).parent / "table.md"
+PAGE = Path(__file__).parents[1] / "README.md"
 COMMITTED = Path(__file__).parents[1] / "paper_claims.json"
 COMMAND = "python tests/studies/paper_claims.py"
 NAMES = ("x-module", "hexagon", "prism")
@@ -16,7 +17,7 @@ LAWS = ("slack", "push")
 
 
 def committed() -> dict[str, Any]:
-    """Return the measurements that the README shows."""
+    """Return the measurements that the page shows."""
     return json.loads(COMMITTED.read_text())
 
 
@@ -32,7 +33,7 @@ def text(data: dict[str, Any]) -> str:
 
 
 def rewrite(path: Path, data: dict[str, Any]) -> None:
-    """Put the table between its marks in the README."""
+    """Put the table between its marks in a page."""
     page = path.read_text(encoding="utf-8")
     made = re.sub(f"(?s)(?<={BEGIN}).*?(?={END})", lambda _: text(data), page, count=1)
     path.write_text(made, encoding="utf-8")
