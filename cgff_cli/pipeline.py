@@ -6,7 +6,7 @@ from typing import Any
 
 from cgff_cli.analysis.equilibrium import analysed
 from cgff_cli.options import DEFAULTS, SolveOptions
-from cgff_cli.report.result import Result
+from cgff_cli.result import Result
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers import cgff, table1
 from cgff_cli.solvers.solution import Observer, Solution

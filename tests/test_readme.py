@@ -18,16 +18,16 @@ from cgff_cli.cli import COMMANDS, main
 from cgff_cli.cli.common import ExitCode
 from cgff_cli.cli.comparing import RIVALS
 from cgff_cli.cli.requirements import ALLOWED, MOST_DIRECTIONS
-from cgff_cli.comparison.runs import EVALUATIONS_PER_ITERATION
 from cgff_cli.mechanics.connectivity import DENSE_ENTRIES
 from cgff_cli.options import OPTIONS
 from cgff_cli.report.columns import element_blocks, node_blocks
-from cgff_cli.report.result import FIELDS
-from cgff_cli.report.rows import COLUMNS as SUMMARY
+from cgff_cli.result import FIELDS
 from cgff_cli.rivals.registry import REGISTRY
 from cgff_cli.rivals.scipy_solvers import MOST_DENSE
 from cgff_cli.solvers.solution import COLUMNS
 from cgff_cli.solvers.stopping import Verdict
+from cgff_cli.study.runs import EVALUATIONS_PER_ITERATION
+from cgff_cli.study.scenes import SUMMARY
 from tests.pages import PAGES, README, ROOT, WORDS, Block, blocks, code_in, rows, section
 
 SHELL = [block.text for block in blocks("sh")]

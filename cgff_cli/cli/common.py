@@ -120,6 +120,18 @@ def wanted(word: str) -> bool | None:
     return ctx.meta.get(f"cgff.{word}") if ctx else None
 
 
+@contextmanager
+def shown(title: str) -> Iterator[Callable[[str], None]]:
+    """Give what shows words of where a command is, on a terminal, and wipes them at the end."""
+    if wanted("quiet") or not sys.stderr.isatty():
+        yield lambda words: None
+        return
+    from cgff_cli.report.progress import Progress
+
+    with Progress(title, delay=0.0) as progress:
+        yield progress.show
+
+
 def screen() -> dict[str, Any]:
     """Return what a page is drawn for: a terminal or not; colour: None is the terminal's own habit."""
     return {"terminal": sys.stdout.isatty(), "colour": wanted("color")}

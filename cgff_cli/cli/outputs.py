@@ -19,7 +19,7 @@ from cgff_cli.cli.targets import (
 from cgff_cli.report.files import STDOUT, write_output
 
 if TYPE_CHECKING:
-    from cgff_cli.report.result import Result
+    from cgff_cli.result import Result
     from cgff_cli.scene.scene import Scene
 
 RESULT = {".json": "everything", ".csv": "the coordinates"}
@@ -66,16 +66,26 @@ class Outputs:
         """Raise UsageError where an output would replace a file that a scene was read from."""
         refuse_inputs(self.targets, ((path, f"a file of {scene.path}") for path in scene.files))
 
-    def write(self, scene: str, result: "Result") -> None:
-        """Write one result wherever the flags say; raises CgffError."""
+    def write(self, scene: str, result: "Result") -> Iterable[str]:
+        """Write one result to its files; return the pieces of standard output. Raises CgffError."""
         for file in self.files[scene]:
             write_output(file.path, _text(result, file.kind, file.form))
-        if self.shown not in ("", "summary"):
-            write_output(STDOUT, _text(result, "result", self.shown))
-        if self.summary is not None or self.shown == "summary":
-            from cgff_cli.report.rows import summary_row
+        return () if self.shown in ("", "summary") else _text(result, "result", self.shown)
 
-            self.rows.append(summary_row(title(scene), result))
+    def are_there(self, scene: str) -> bool:
+        """Return whether all files of a scene were written before."""
+        return all(os.path.isfile(file.path) for file in self.files[scene])
+
+    def written(self, scene: str) -> Iterable[str]:
+        """Return the pieces of standard output of a scene that was solved before: a line, from its file."""
+        if self.shown != "lines":
+            return ()
+        import json
+
+        from cgff_cli.report import json_out
+
+        with open(self.files[scene][0].path, encoding="utf-8") as file:
+            return json_out.line(json.load(file).items())
 
     def failed(self, scene: str, verdict: str) -> None:
         """Remember a scene that has no result, so that the summaries show it."""
@@ -84,7 +94,7 @@ class Outputs:
     def finish(self) -> None:
         """Write what needed all scenes: the summaries."""
         if self.summary is not None:
-            from cgff_cli.report.rows import summary_csv, summary_lines
+            from cgff_cli.report.summary import summary_csv, summary_lines
 
             write_output(self.summary, (summary_lines if self.as_lines else summary_csv)(self.rows))
         if self.shown == "summary":

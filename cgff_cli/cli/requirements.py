@@ -10,7 +10,7 @@ from cgff_cli.hints import did_you_mean
 if TYPE_CHECKING:
     import numpy as np
 
-    from cgff_cli.report.result import Result
+    from cgff_cli.result import Result
 
 MOST_DIRECTIONS = 3000
 """Free directions up to which dense matrices are made because a requirement needs them: about 20 s."""

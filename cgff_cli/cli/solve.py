@@ -1,24 +1,11 @@
 """`cgff solve`: form-find each scene, write what was found, tell how it ended."""
 
 from itertools import chain
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from cgff_cli.cli.common import (
-    ExitCode,
-    SectionCommand,
-    examples,
-    flag,
-    progress,
-    report_error,
-    say,
-    title,
-    wanted,
-    warn_of,
-    word_options,
-    worst,
-)
+from cgff_cli.cli.common import ExitCode, SectionCommand, examples, flag, word_options, worst
 from cgff_cli.cli.options import (
     Checked,
     given_solve_options,
@@ -27,10 +14,9 @@ from cgff_cli.cli.options import (
     solve_options,
 )
 from cgff_cli.cli.outputs import Outputs
-from cgff_cli.cli.requirements import ALLOWED, Requirement, judged_for, requirements, unmet
-
-if TYPE_CHECKING:
-    from cgff_cli.report.result import Result
+from cgff_cli.cli.requirements import ALLOWED, requirements
+from cgff_cli.cli.solving import Solving, earlier, took, watched
+from cgff_cli.report.files import STDOUT
 
 _EPILOG = examples(
     "cgff solve prism.yaml -o prism.json --history prism.csv",
@@ -48,6 +34,21 @@ _EPILOG = examples(
     multiple=True,
     help=f"End with exit code 5 where an equilibrium is not all of these: {ALLOWED}.",
 )
+@flag(
+    "--jobs",
+    section="Many scenes",
+    type=click.IntRange(min=1),
+    default=1,
+    metavar="N",
+    help="Solve N scenes at a time, each in a process of its own. Default: 1.",
+)
+@flag(
+    "--resume",
+    section="Many scenes",
+    is_flag=True,
+    help="Leave alone what an earlier run with --resume has put into DIR, unless its scene or what is asked "
+    "has changed.",
+)
 @scenes_arguments
 @solve_options
 @word_options
@@ -58,58 +59,20 @@ def command(ctx: click.Context, scenes: tuple[str, ...], **values: Any) -> None:
     A SCENE is a YAML or JSON file, or - for standard input. A solve option given here wins over the
     scene's own `solver` block. A run that does not converge still writes its last state, and says so.
     """
-    options = given_solve_options(values)
-    required = tuple(chain.from_iterable(values["require"]))
+    from cgff_cli.study.machine import done
+
+    if values["resume"] and (values["out_dir"] is None or STDOUT in scenes):
+        raise click.UsageError("--resume needs --out-dir DIR, and scenes that are files")
     outputs = Outputs(scenes, values)
+    # Standard input is there for this process alone.
+    processes = 1 if STDOUT in scenes else min(values["jobs"], len(scenes))
+    required = tuple(chain.from_iterable(values["require"]))
+    work = Solving(given_solve_options(values), outputs, required, apart=processes > 1)
+    jobs, journal, known = earlier(scenes, work, values["out_dir"] if values["resume"] else None)
     code = ExitCode.OK
-    for scene in scenes:
-        code = worst(code, _solve(scene, options, outputs, required))
+    for ended in watched(done(jobs, work, known, processes), len(jobs), processes):
+        code = worst(code, took(ended, outputs, journal))
         if code is ExitCode.INTERRUPTED:
             break
     outputs.finish()
     ctx.exit(code)
-
-
-def _solve(
-    scene: str, options: dict[str, Any], outputs: Outputs, required: tuple[Requirement, ...]
-) -> ExitCode:
-    """Solve and write one scene; what goes wrong with it is told and stops no other."""
-    try:
-        result = judged_for(_found(scene, options, outputs), required)
-        outputs.write(scene, result)
-    except KeyboardInterrupt:  # outside the solver, which keeps what it has reached
-        say("cgff: interrupted")
-        return ExitCode.INTERRUPTED
-    except (BrokenPipeError, click.UsageError):
-        raise
-    except Exception as error:
-        code = report_error(error)
-        outputs.failed(scene, "bad_scene" if code is ExitCode.SCENE else "error")
-        return code
-    if not outputs.on_page:
-        warn_of(scene, result.warnings)
-    return _tell(title(scene), result, required)
-
-
-def _found(path: str, options: dict[str, Any], outputs: Outputs) -> "Result":
-    from cgff_cli import pipeline
-    from cgff_cli.scene.read import load
-
-    scene = load(path)
-    outputs.refuse_inputs(scene)
-    with progress(title(path)) as observer:
-        return pipeline.solve(scene, observer=observer, **options)
-
-
-def _tell(name: str, result: "Result", required: tuple[Requirement, ...]) -> ExitCode:
-    """Say on standard error what a reader of the exit code alone would miss."""
-    if not result.converged or result.interrupted or wanted("verbose"):
-        say(f"cgff: {name}: {result.verdict}: {result.message}")
-    if result.interrupted:
-        return ExitCode.INTERRUPTED
-    if not result.converged:
-        return ExitCode.NOT_CONVERGED
-    lacking = unmet(result, required)
-    for sentence in lacking:
-        say(f"cgff: {name}: {sentence}")
-    return ExitCode.UNMET if lacking else ExitCode.OK

@@ -75,8 +75,7 @@ class Mechanics:
     @cached_property
     def nodal_stiffness(self) -> np.ndarray:
         """(m,) total stiffness of each moving node's elements, slack or not."""
-        s = self.structure
-        own = np.bincount(s.start, self.k, len(s.free)) + np.bincount(s.end, self.k, len(s.free))
+        own = self.structure.at_nodes(self.k)
         return own if self.moves is None else own[self.moves]
 
     @cached_property

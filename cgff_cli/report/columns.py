@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import Any
 
-from cgff_cli.report.result import Result
+from cgff_cli.result import Result
 
 Block = dict[str, list[Any]]
 

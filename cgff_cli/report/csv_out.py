@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from cgff_cli.report.columns import element_blocks, node_blocks
-from cgff_cli.report.result import Result
+from cgff_cli.result import Result
 
 
 def coordinate_table(result: Result) -> Iterator[str]:

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from cgff_cli.report.columns import element_blocks, node_blocks
-from cgff_cli.report.result import FIELDS, Result
+from cgff_cli.result import FIELDS, Result
 
 _SMALL = 4  # an object of at most this many entries stays on one line
 _TABLES = ("groups", "nodes", "elements", "reactions", "history")

@@ -8,7 +8,6 @@ from rich.console import RenderableType
 from rich.text import Text
 
 from cgff_cli.report.cells import column
-from cgff_cli.report.result import Result
 from cgff_cli.report.terminal import (
     Column,
     aligned,
@@ -21,6 +20,7 @@ from cgff_cli.report.terminal import (
     rendered,
     verdict_words,
 )
+from cgff_cli.result import Result
 
 FEW = 30
 """Lists longer than this are summarised unless asked for in full."""

@@ -88,6 +88,19 @@ def test_ctrl_c_writes_the_last_state_and_starts_no_other_scene(tmp_path: Path):
     assert len(result["nodes"]) == 201
 
 
+def test_ctrl_c_writes_the_last_state_of_what_other_processes_have_begun(tmp_path: Path):
+    paths = [_long_chain(tmp_path, 200), str(tmp_path / "other.json"), str(tmp_path / "third.json")]
+    for path in paths[1:]:
+        Path(path).write_bytes(Path(paths[0]).read_bytes())
+    arguments = [PRISM, *paths, "--jobs", "2", "--out-dir", str(tmp_path / "out"), *SLOWLY[2:], *SLOWLY[:2]]
+    code, words = _interrupt_when_shown([*CGFF, "solve", *arguments], b"1 of 4 scenes")
+    assert code == 130
+    assert b"Traceback" not in words
+    written = [json.loads(path.read_text()) for path in sorted((tmp_path / "out").iterdir())]
+    assert [result["verdict"] for result in written][-1] == "converged"
+    assert {result["verdict"] for result in written[:-1]} <= {"interrupted"}
+
+
 def test_ctrl_c_leaves_the_cases_already_measured(tmp_path: Path):
     out = tmp_path / "out.json"
     slowly = SLOWLY[2:]  # the methods stand for the objective

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cgff_cli.report import columns, csv_out
-from cgff_cli.report.result import Result
+from cgff_cli.result import Result
 from tests.report.conftest import MakeResult
 
 

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cgff_cli.report import columns, json_out
-from cgff_cli.report.result import FIELDS, Result
+from cgff_cli.result import FIELDS, Result
 from tests.report.conftest import MakeResult
 
 values = st.recursive(

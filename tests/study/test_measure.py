@@ -7,12 +7,13 @@ from pathlib import Path
 import pytest
 
 import cgff_cli
-from cgff_cli.bench import measure
-from cgff_cli.bench.expectation import agrees
-from cgff_cli.bench.jobs import Job, jobs_of, machine
-from cgff_cli.bench.measure import ROW_FIELDS, measured
-from cgff_cli.bench.suite import cases_of
 from cgff_cli.rivals.trace import TOLERANCES
+from cgff_cli.study import measure
+from cgff_cli.study.bench import Job, jobs_of
+from cgff_cli.study.digest import machine
+from cgff_cli.study.expectation import agrees
+from cgff_cli.study.measure import ROW_FIELDS, measured
+from cgff_cli.study.suite import cases_of
 from tests.shapes import STRUCTURES
 
 MakeJob = Callable[..., Job]
@@ -115,8 +116,9 @@ def test_two_shapes_are_told_where_their_energies_agree(
     def planted(*arguments, **options):
         found = compare(*arguments, **options)
         cgff, lm = found.methods
-        x, *others = lm.nodes["n1"]
-        moved = lm._replace(nodes={**lm.nodes, "n1": [x + shift, *others]}, energy=lm.energy * (1 + heavier))
+        X = lm.X.copy()
+        X[0, 0] += shift
+        moved = lm._replace(X=X, energy=lm.energy * (1 + heavier))
         return replace(found, methods=(cgff, moved))
 
     monkeypatch.setattr(measure, "compare", planted)

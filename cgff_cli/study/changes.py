@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from cgff_cli.errors import OptionError
-from cgff_cli.scene.scene import AXES, Scene
+from cgff_cli.scene.scene import AXES, Group, Scene
 
 
 def changed(scene: Scene, name: str, value: Any) -> Scene:
@@ -26,16 +26,14 @@ def changed(scene: Scene, name: str, value: Any) -> Scene:
 
 
 def _is_sound(scene: Scene) -> bool:
-    stiffness = np.concatenate([group.EA for group in scene.groups])
-    rest = np.concatenate([group.rest_length for group in scene.groups])
+    EA, rest = (np.concatenate([getattr(own, of) for own in scene.groups]) for of in ("EA", "rest_length"))
     least = rest > 0.0 if scene.law == "hooke" else rest >= 0.0
-    numbers = np.concatenate([scene.coordinates.ravel(), stiffness, rest])
-    return bool(np.isfinite(numbers).all() and (stiffness > 0.0).all() and least.all())
+    numbers = np.concatenate([scene.coordinates.ravel(), EA, rest])
+    return bool(np.isfinite(numbers).all() and (EA > 0.0).all() and least.all())
 
 
 def chain(links: int, span: float, length: float, EA: Sequence[float], weight: float) -> dict[str, Any]:
     """Return a chain of equal links, of the stiffnesses EA in turn, that starts as a level line."""
-    last = f"n{links}"
     return {
         "law": "hooke",
         "nodes": {f"n{i}": [span * i / links, 0.0] for i in range(links + 1)},
@@ -47,40 +45,33 @@ def chain(links: int, span: float, length: float, EA: Sequence[float], weight: f
                 "pairs": [[f"n{i}", f"n{i + 1}"] for i in range(links)],
             }
         },
-        "supports": {"n0": "xy", last: "xy"},
+        "supports": {"n0": "xy", f"n{links}": "xy"},
         "loads": {f"n{i}": [0.0, -weight / links] for i in range(1, links)},
     }
 
 
-def _flattened(scene: Scene, factors: Sequence[float]) -> Scene:
-    return replace(scene, coordinates=scene.coordinates * np.array(factors))
-
-
-def _offset(scene: Scene, by: Sequence[float]) -> Scene:
-    return replace(scene, coordinates=scene.coordinates + np.array(by))
+def _by_group(scene: Scene, change: Callable[[Group], Mapping[str, Any]]) -> Scene:
+    return replace(scene, groups=tuple(replace(own, **change(own)) for own in scene.groups))
 
 
 def _in_units(scene: Scene, units: tuple[float, float]) -> Scene:
     length, force = units
     stiffness = force / length if scene.law == "paper" else force
-    groups = tuple(
-        replace(group, EA=group.EA * stiffness, rest_length=group.rest_length * length)
-        for group in scene.groups
-    )
     loads = {row: tuple(force * part for part in load) for row, load in scene.loads.items()}
-    return replace(scene, coordinates=scene.coordinates * length, groups=groups, loads=loads)
+    scaled = replace(scene, coordinates=scene.coordinates * length, loads=loads)
+    return _by_group(scaled, lambda own: {"EA": own.EA * stiffness, "rest_length": own.rest_length * length})
 
 
 def _random_start(scene: Scene, seed: int) -> Scene:
     """Return the scene with its free directions anywhere in a box of twice the longest rest length."""
-    return _moved(scene, seed, max(float(group.rest_length.max()) for group in scene.groups), 0.0)
+    return _moved(scene, seed, max(float(own.rest_length.max()) for own in scene.groups), 0.0)
 
 
 def _noisy(scene: Scene, given: tuple[int, float]) -> Scene:
-    seed, reach = given
-    X, groups = scene.coordinates, scene.groups
-    l = np.concatenate([np.linalg.norm(X[g.pairs[:, 0]] - X[g.pairs[:, 1]], axis=1) for g in groups])
-    return _moved(scene, seed, reach * float(l.mean()), 1.0)
+    seed, share = given
+    X, pairs = scene.coordinates, np.concatenate([own.pairs for own in scene.groups])
+    l = np.linalg.norm(X[pairs[:, 0]] - X[pairs[:, 1]], axis=1)
+    return _moved(scene, seed, share * float(l.mean()), 1.0)
 
 
 def _moved(scene: Scene, seed: int, reach: float, kept: float) -> Scene:
@@ -94,29 +85,24 @@ def _moved(scene: Scene, seed: int, reach: float, kept: float) -> Scene:
 
 
 def _stiffened(scene: Scene, factors: Mapping[str, float]) -> Scene:
-    unknown = set(factors) - {group.name for group in scene.groups}
+    unknown = set(factors) - {own.name for own in scene.groups}
     if unknown:
         raise ValueError(f"the scene has no group {', '.join(sorted(unknown))}")
-    groups = tuple(replace(group, EA=group.EA * factors.get(group.name, 1.0)) for group in scene.groups)
-    return replace(scene, groups=groups)
+    return _by_group(scene, lambda own: {"EA": own.EA * factors.get(own.name, 1.0)})
 
 
 def _every_other_stiffened(scene: Scene, factor: float) -> Scene:
     """Return the scene with every other element of each group stiffer."""
-    groups = tuple(
-        replace(group, EA=group.EA * np.where(np.arange(len(group.EA)) % 2, factor, 1.0))
-        for group in scene.groups
-    )
-    return replace(scene, groups=groups)
+    return _by_group(scene, lambda own: {"EA": own.EA * np.where(np.arange(len(own.EA)) % 2, factor, 1.0)})
 
 
 CHANGES: dict[str, Callable[[Scene, Any], Scene]] = {
-    "flatten": _flattened,
+    "flatten": lambda scene, factors: replace(scene, coordinates=scene.coordinates * np.array(factors)),
     "units": _in_units,
     "random_start": _random_start,
     "noise": _noisy,
     "stiffen": _stiffened,
     "stiffen_every_other": _every_other_stiffened,
-    "offset": _offset,
+    "offset": lambda scene, by: replace(scene, coordinates=scene.coordinates + np.array(by)),
 }
 """Key of a case's scene -> what it does: (scene, value) -> scene."""

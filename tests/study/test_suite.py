@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import cgff_cli
-from cgff_cli.bench.case import built
-from cgff_cli.bench.expectation import agrees, as_expected
-from cgff_cli.bench.jobs import jobs_of
-from cgff_cli.bench.suite import cases_of, standard
+from cgff_cli.study.bench import jobs_of
+from cgff_cli.study.case import built
+from cgff_cli.study.expectation import agrees, as_expected
+from cgff_cli.study.suite import cases_of, standard
 from tests.shapes import STRUCTURES, solve_structure
 
 INLINE = """\

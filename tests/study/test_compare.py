@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import cgff_cli
-from cgff_cli.comparison.alignment import affinely, aligned, distance_difference, rigidly
-from cgff_cli.comparison.record import Comparison
 from cgff_cli.rivals.trace import TOLERANCES
+from cgff_cli.study.alignment import affinely, distance_difference, laid_over, rigidly
+from cgff_cli.study.record import Comparison
 from tests.shapes import STRUCTURES
 
 PRISM = STRUCTURES / "prism.yaml"
@@ -180,7 +180,7 @@ def test_alignments_undo_what_they_should_and_no_more():
     assert np.abs(rigidly(mirrored, X) - X).max() < 1e-12
     assert np.abs(affinely(sheared, X) - X).max() < 1e-12
     assert np.abs(rigidly(sheared, X) - X).max() > 0.1
-    assert aligned(mirrored, X, "none") is mirrored
+    assert laid_over(mirrored, X, "none") is mirrored
     assert distance_difference(mirrored, X) < 1e-12
     assert distance_difference(sheared, X) > 0.1
 

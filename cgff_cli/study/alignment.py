@@ -15,9 +15,11 @@ def alignment_of(X: np.ndarray, free: np.ndarray) -> str:
     return "rigid" if rigid_motions(X.T, free.T).shape[1] else "none"
 
 
-def aligned(X: np.ndarray, target: np.ndarray, alignment: str) -> np.ndarray:
+def laid_over(X: np.ndarray, target: np.ndarray, alignment: str) -> np.ndarray:
     """Return the shape X (n, d) laid over the target: "rigid", "affine" or "none"."""
-    return {"rigid": rigidly, "affine": affinely, "none": lambda X, target: X}[alignment](X, target)
+    if alignment == "none":
+        return X
+    return (rigidly if alignment == "rigid" else affinely)(X, target)
 
 
 def rigidly(X: np.ndarray, target: np.ndarray) -> np.ndarray:

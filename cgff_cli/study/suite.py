@@ -1,13 +1,10 @@
 """Suites: YAML lists of cases, read with the place of every mistake."""
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from itertools import islice
 from typing import Any
 
-from cgff_cli.bench.case import SOURCES, Case, meant
-from cgff_cli.bench.changes import CHANGES
-from cgff_cli.bench.expectation import outcome_fault
 from cgff_cli.errors import OptionError, Problem, SceneError
 from cgff_cli.options import OPTIONS, checked
 from cgff_cli.scene.fields import found, is_absent, mapping
@@ -18,14 +15,28 @@ from cgff_cli.scene.schema import SCENE_KEYS
 from cgff_cli.scene.shipped import shipped
 from cgff_cli.scene.text import read_text, reason
 from cgff_cli.scene.yaml_text import yaml_events
+from cgff_cli.study.case import SOURCES, Case, meant
+from cgff_cli.study.changes import CHANGES
+from cgff_cli.study.expectation import OUTCOMES
 
 NOTES = ("source", "covers", "slow", "reference", "near", "same_iterations_as", "wrong")
 """Keys of a case for its readers and for tests of its answer; measuring ignores them."""
 
 CASE_KEYS = ("id", "scene", "options", "expect", *NOTES)
+
 EXPECT_KEYS = ("outcome", "slack", "warns", "tolerance", "compare", "closed", "data_digits")
+
 RUN_OPTIONS = ("repeat", "time_limit")
 """Options of comparing that a case may set beside solve options."""
+
+VALUES: dict[str, tuple[Callable[[Any], bool], str]] = {
+    "outcome": (lambda value: value is None or value in OUTCOMES, f"one of {', '.join(OUTCOMES)}"),
+    "slack": (lambda value: type(value) is int, "a number of cables"),
+    "warns": (lambda value: isinstance(value, str), "words of a warning"),
+    "repeat": (lambda value: type(value) is int and value > 0, "a whole number > 0"),
+    "time_limit": (lambda value: type(value) in (int, float) and value > 0, "a number > 0"),
+}
+"""Key of a case's blocks -> whether a value may stand there, and what may."""
 
 
 def standard() -> str:
@@ -35,40 +46,38 @@ def standard() -> str:
 
 def cases_of(paths: Iterable[str]) -> list[Case]:
     """Return the cases of suites and of single scenes; raises SceneError with the mistakes of all suites."""
-    found_cases: list[Case] = []
+    cases: dict[tuple[str | None, str], Case] = {}
     problems: list[Problem] = []
     for path in paths:
         try:
-            found_cases += read_suite(path) if _is_suite(path) else [_single(path)]
+            read = _read_suite(path) if _is_suite(path) else [_single(path)]
         except SceneError as error:
             problems += error.problems
-    seen: dict[tuple[str | None, str], Case] = {}
-    for case in found_cases:
-        first = seen.setdefault((case.suite, case.id), case)
-        if first is not case:
-            problems.append(case.problem(f"there is one of this name in {first.path} already"))
+            continue
+        for case in read:
+            first = cases.setdefault((case.suite, case.id), case)
+            if first is not case:
+                problems.append(case.problem(f"there is one of this name in {first.path} already"))
     if problems:
         raise SceneError(problems)
-    return found_cases
+    return list(cases.values())
 
 
-def read_suite(path: str | os.PathLike[str]) -> list[Case]:
+def _read_suite(path: str) -> list[Case]:
     """Return the cases of a suite; raises SceneError with every mistake in its form."""
-    shown = os.fspath(path)
-    document = Document(yaml_events(_text(shown)))
+    document = Document(yaml_events(_text(path)))
     findings = Findings(document.faults)
     if document.whole and not isinstance(document.value, list):
         findings.add((), f"a suite must be a list of cases, got {found(document.value)}")
     entries = document.value if isinstance(document.value, list) else []
-    name = os.path.splitext(os.path.basename(shown))[0]
-    cases = [_case(findings, shown, name, document, i, entry) for i, entry in enumerate(entries)]
-    ids: dict[str, int] = {}
-    for i, case in enumerate(cases):
-        if case is not None and ids.setdefault(case.id, i) != i:
+    cases: dict[str, Case] = {}
+    for i, entry in enumerate(entries):
+        case = _case(findings, path, document, i, entry)
+        if case is not None and cases.setdefault(case.id, case) is not case:
             findings.add((i, "id"), f"case {case.id} is there already")
     if not findings.none:
-        raise SceneError(findings.problems(shown, document.place))
-    return [case for case in cases if case is not None]
+        raise SceneError(findings.problems(path, document.place))
+    return list(cases.values())
 
 
 def _text(path: str) -> str:
@@ -89,13 +98,11 @@ def _is_suite(path: str) -> bool:
 
 def _single(path: str) -> Case:
     """Return the case that a scene file amounts to."""
-    name = os.path.splitext(os.path.basename(path))[0]
-    return Case(name, None, {"file": os.path.basename(path)}, path, lambda where, at_key: NOWHERE)
+    file = os.path.basename(path)
+    return Case(os.path.splitext(file)[0], None, {"file": file}, path, lambda where, at_key: NOWHERE)
 
 
-def _case(
-    findings: Findings, path: str, suite: str, document: Document, i: int, entry: object
-) -> Case | None:
+def _case(findings: Findings, path: str, document: Document, i: int, entry: object) -> Case | None:
     """Return one entry of a suite as a case, None where its form is wrong."""
     values = mapping(findings, (i,), entry, "with id and scene")
     if values is None:
@@ -105,24 +112,24 @@ def _case(
     if name is not None and (not isinstance(name, str) or not name or not name.isprintable()):
         findings.add((i, "id"), f"must be a word, got {found(name)}")
         return None
-    blocks = {key: _block(findings, (i, key), values.get(key)) for key in ("scene", "options", "expect")}
-    _check_scene(findings, (i, "scene"), blocks["scene"])
-    options = _options(findings, (i, "options"), meant(blocks["options"]))
-    expect = meant(blocks["expect"])
-    _check_expectation(findings, (i, "expect"), expect)
-    notes = {key: meant(values[key]) for key in NOTES if key in values}
+    scene, given, expect = (_block(findings, (i, key), values) for key in ("scene", "options", "expect"))
+    _check_scene(findings, (i, "scene"), scene)
+    options = _options(findings, (i, "options"), meant(given))
+    check_keys(findings, (i, "expect"), expect, EXPECT_KEYS)
+    _check_values(findings, (i, "expect"), meant(expect))
 
     def place(where: Where, at_key: bool) -> Mark:
         """Return line and column of an entry of this case."""
         return document.place((i, *where), at_key)
 
-    return Case(str(name), suite, blocks["scene"], path, place, options, expect, notes)
+    suite = os.path.splitext(os.path.basename(path))[0]
+    notes = {key: meant(values[key]) for key in NOTES if key in values}
+    return Case(str(name), suite, scene, path, place, options, meant(expect), notes)
 
 
-def _block(findings: Findings, where: Where, value: object) -> dict[str, Any]:
-    if is_absent(value):
-        return {}
-    return mapping(findings, where, value, "of names to values") or {}
+def _block(findings: Findings, where: Where, values: Mapping[str, Any]) -> dict[str, Any]:
+    value = values.get(str(where[-1]))
+    return {} if is_absent(value) else mapping(findings, where, value, "of names to values") or {}
 
 
 def _check_scene(findings: Findings, where: Where, recipe: Mapping[str, Any]) -> None:
@@ -135,34 +142,21 @@ def _check_scene(findings: Findings, where: Where, recipe: Mapping[str, Any]) ->
     check_keys(findings, where, recipe, (*keys, *CHANGES))
 
 
-def _check_expectation(findings: Findings, where: Where, expect: dict[str, Any]) -> None:
-    check_keys(findings, where, expect, EXPECT_KEYS)
-    fault = outcome_fault(expect.get("outcome"))
-    if fault:
-        findings.add((*where, "outcome"), fault)
-    if type(expect.get("slack", 0)) is not int:
-        findings.add((*where, "slack"), f"must be a number of cables, got {found(expect['slack'])}")
-    if not isinstance(expect.get("warns", ""), str):
-        findings.add((*where, "warns"), f"must be words of a warning, got {found(expect['warns'])}")
+def _check_values(findings: Findings, where: Where, values: Mapping[str, Any]) -> None:
+    for name, value in values.items():
+        fits, allowed = VALUES.get(name, (bool, ""))
+        if allowed and not fits(value):
+            findings.add((*where, name), f"must be {allowed}, got {found(value)}")
 
 
 def _options(findings: Findings, where: Where, given: dict[str, Any]) -> dict[str, Any]:
-    """Return the options of a case, each checked."""
-    options: dict[str, Any] = {}
+    """Return the options of a case, each checked and those of a solve in their own type."""
     check_keys(findings, where, given, (*OPTIONS, *RUN_OPTIONS))
-    for name, value in given.items():
+    _check_values(findings, where, given)
+    options = dict(given)
+    for name in given.keys() & OPTIONS.keys():
         try:
-            if name in OPTIONS:
-                options[name] = checked(name, value)
-            elif name in RUN_OPTIONS:
-                options[name] = _checked_run_option(name, value)
+            options[name] = checked(name, given[name])
         except OptionError as error:
             findings.add((*where, name), str(error).removeprefix(f"{name} "))
     return options
-
-
-def _checked_run_option(name: str, value: object) -> float | int:
-    whole = name == "repeat"
-    if isinstance(value, bool) or not isinstance(value, int if whole else (int, float)) or not value > 0:
-        raise OptionError(f"must be a {'whole ' if whole else ''}number > 0, got {value!r}")
-    return value

@@ -5,19 +5,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from cgff_cli.comparison.alignment import alignment_of
-from cgff_cli.comparison.judge import Answer, judged, nodes, solution_at
-from cgff_cli.comparison.record import Comparison, Method
-from cgff_cli.comparison.runs import Case, Run, run
 from cgff_cli.errors import OptionError
 from cgff_cli.options import SolveOptions
 from cgff_cli.rivals.registry import REGISTRY
-from cgff_cli.rivals.task import Reference
+from cgff_cli.rivals.task import Task
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers import cgff
-from cgff_cli.solvers.solution import Solution
 from cgff_cli.solvers.stopping import Verdict
-from cgff_cli.structure import Structure, from_scene
+from cgff_cli.structure import from_scene
+from cgff_cli.study.alignment import alignment_of
+from cgff_cli.study.judge import judged, solution_at
+from cgff_cli.study.record import Comparison
+from cgff_cli.study.runs import Attempt, attempted
 
 TOLERANCE = 1e-12
 """Where all methods stop unless told otherwise: the last point of the curves."""
@@ -25,10 +24,7 @@ TOLERANCE = 1e-12
 FLOOR = 1e-15
 """Tolerance of the reference: below what doubles can tell, so that it ends at the rounding floor."""
 
-REPEAT = 3
-TIME_LIMIT = 60.0
-
-Observer = Callable[[str, int], None]
+BeforeRun = Callable[[str, int], None]
 """Called before every run with the method's name and the number of the run, from 1."""
 
 
@@ -36,9 +32,9 @@ def compare(
     scene: Scene | str,
     methods: Iterable[str] = ("fdm",),
     *,
-    repeat: int = REPEAT,
-    time_limit: float = TIME_LIMIT,
-    observer: Observer | None = None,
+    repeat: int = 3,
+    time_limit: float = 60.0,
+    observer: BeforeRun | None = None,
     **changes: object,
 ) -> Comparison:
     """Form-find a scene, or the scene file at a path, by CGFF and by other methods.
@@ -58,27 +54,21 @@ def compare(
     if repeat < 1 or not time_limit > 0.0:
         raise OptionError(f"repeat and time_limit must be positive, got {repeat} and {time_limit:g}")
     options = SolveOptions(tolerance=TOLERANCE).merged({**scene.solver, **changes, "method": "cgff"})
-    structure = from_scene(scene)
     names = chosen(methods, bool(scene.supports))
-    best = _reference(structure, options)
-    case = Case(
-        structure=structure,
-        groups=np.repeat(np.arange(len(scene.groups)), [len(group.EA) for group in scene.groups]),
-        options=options,
-        time_limit=time_limit,
-        reference=Reference(best.shape, best.force_densities),
-        alignment=alignment_of(best.shape, structure.free),
-    )
-    runs: dict[str, list[Run]] = {name: [] for name in names}
+    task = _task(scene, options)
+    runs: dict[str, list[Attempt]] = {name: [] for name in names}
     for number in range(1, repeat + 1):
         for name in names:
             if any(own.tells_all for own in runs[name]):
                 continue
             if observer is not None:
                 observer(name, number)
-            runs[name].append(run(name, case))
+            runs[name].append(attempted(name, task, time_limit))
+    end = runs["cgff"][0].end
+    own = None if end is None else solution_at(task, end.X)
+    rows = [judged(scene, task, name, runs[name], own if name != "cgff" else None) for name in names]
     asked = {"repeat": repeat, "time_limit": time_limit}
-    return Comparison(scene, asked | options.to_dict(), _told(scene, best), _rows(scene, case, runs))
+    return Comparison(scene, asked | options.to_dict(), task.best, tuple(rows))
 
 
 def chosen(methods: Iterable[str], has_supports: bool) -> list[str]:
@@ -92,31 +82,11 @@ def chosen(methods: Iterable[str], has_supports: bool) -> list[str]:
     return list(dict.fromkeys(told))
 
 
-def _reference(structure: Structure, options: SolveOptions) -> Solution:
-    """Return the answer to the rounding floor; raises KeyboardInterrupt on Ctrl-C."""
+def _task(scene: Scene, options: SolveOptions) -> Task:
+    """Return what all methods share, the answer among it; raises KeyboardInterrupt on Ctrl-C."""
+    structure = from_scene(scene)
     best = cgff.form_find(structure, replace(options, tolerance=FLOOR, objective="energy"))
     if best.verdict is Verdict.INTERRUPTED:
         raise KeyboardInterrupt
-    return best
-
-
-def _told(scene: Scene, best: Solution) -> dict[str, object]:
-    return {
-        "verdict": best.verdict.value,
-        "residual_relative": best.relative,
-        "energy": best.energy,
-        "nodes": nodes(scene, best.coordinates),
-    }
-
-
-def _rows(scene: Scene, case: Case, runs: dict[str, list[Run]]) -> tuple[Method, ...]:
-    """Return one row per method, CGFF's first, which the others are held against."""
-    own = runs["cgff"][0].end
-    answer = None
-    if own is not None:
-        found = solution_at(case, own.X)
-        answer = Answer(found.shape, found.lengths, found.force_densities)
-    return tuple(
-        judged(scene, case, name, own_runs, None if name == "cgff" else answer)
-        for name, own_runs in runs.items()
-    )
+    groups = np.repeat(np.arange(len(scene.groups)), [len(group.EA) for group in scene.groups])
+    return Task(structure, groups, options, best, alignment_of(best.shape, structure.free))

@@ -3,8 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from cgff_cli.report.result import Result
-from cgff_cli.scene.fields import found
+from cgff_cli.result import Result
 from cgff_cli.solvers.stopping import Verdict
 
 REFUSED = "refused"
@@ -13,21 +12,14 @@ REFUSED = "refused"
 BALANCED = ("converged", "floor")
 """First words of an outcome in balance, to the tolerance or to rounding; `balanced` stands for either."""
 
-KINDS = ("stable", "unstable", "neutral", "unjudged")
+STABILITIES = ("stable", "unstable", "neutral", "unjudged")
 
 OUTCOMES = (
     REFUSED,
     *(verdict.value for verdict in Verdict if not verdict.converged),
-    *(f"{word}-{kind}" for word in ("balanced", *BALANCED) for kind in KINDS),
+    *(f"{word}-{kind}" for word in ("balanced", *BALANCED) for kind in STABILITIES),
 )
 """Every word that an expected outcome can be."""
-
-
-def outcome_fault(value: object) -> str | None:
-    """Return why a value is no outcome, or None where it is one, or nothing."""
-    if value is None or value in OUTCOMES:
-        return None
-    return f"must be one of {', '.join(OUTCOMES)}, got {found(value)}"
 
 
 def outcome(result: Result) -> str:
@@ -40,9 +32,7 @@ def outcome(result: Result) -> str:
 
 def agrees(word: str, expected: str) -> bool:
     """Return whether an outcome is the one expected."""
-    if expected.startswith("balanced"):
-        return word in (expected.replace("balanced", kind, 1) for kind in BALANCED)
-    return word == expected
+    return word in {expected.replace("balanced", kind, 1) for kind in BALANCED}
 
 
 def as_expected(result: Result, expect: Mapping[str, Any]) -> bool | None:

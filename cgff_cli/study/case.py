@@ -5,7 +5,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from cgff_cli.bench.changes import chain, changed
 from cgff_cli.errors import CgffError, OptionError, Problem, SceneError
 from cgff_cli.scene.fields import is_absent, option_value
 from cgff_cli.scene.findings import Findings, Mark, Where
@@ -15,6 +14,7 @@ from cgff_cli.scene.read import from_dict, load
 from cgff_cli.scene.scene import Scene
 from cgff_cli.scene.schema import SCENE_KEYS, read_scene
 from cgff_cli.scene.shipped import shipped
+from cgff_cli.study.changes import CHANGES, chain, changed
 
 SOURCES = {
     "structure": ("structure",),
@@ -23,8 +23,6 @@ SOURCES = {
     "chain": ("chain",),
 }
 """Where a scene may come from unless it is written out -> the keys that belong to it."""
-
-Place = Callable[[Where, bool], Mark]
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +39,7 @@ class Case:
     suite: str | None
     scene: dict[str, Any]
     path: str
-    place: Place
+    place: Callable[[Where, bool], Mark]
     options: dict[str, Any] = field(default_factory=dict)
     expect: dict[str, Any] = field(default_factory=dict)
     notes: dict[str, Any] = field(default_factory=dict)
@@ -56,14 +54,11 @@ def built(case: Case) -> Scene:
 
     Raises SceneError, placed in the suite or in the scene's own file.
     """
-    recipe = dict(case.scene)
-    source = next((name for name in SOURCES if name in recipe), None)
-    keys = SOURCES[source] if source else SCENE_KEYS
-    own = {key: recipe.pop(key) for key in tuple(recipe) if key in keys}
     try:
-        scene = _from(source, own, case) if source else _inline(own, case)
-        for name, value in recipe.items():
-            scene = changed(scene, name, meant(value))
+        scene = _from_source(case)
+        for name in case.scene:
+            if name in CHANGES:
+                scene = changed(scene, name, meant(case.scene[name]))
     except SceneError:
         raise
     except CgffError as error:
@@ -79,20 +74,24 @@ def meant(value: Any) -> Any:
         return [meant(entry) for entry in value]
     if is_absent(value):
         return None
-    if isinstance(value, Plain) and value in ("true", "false"):
+    if not isinstance(value, Plain):
+        return value
+    if value in ("true", "false"):
         return value == "true"
-    if isinstance(value, Plain):
-        number = option_value(value)
-        return str(value) if isinstance(number, str) else number
-    return value
+    number = option_value(value)
+    return str(value) if isinstance(number, str) else number
 
 
-def _from(source: str, own: dict[str, Any], case: Case) -> Scene:
-    value, parameters = meant(own[source]), meant(own.get("parameters") or {})
+def _from_source(case: Case) -> Scene:
+    source = next((name for name in SOURCES if name in case.scene), None)
+    if source is None:
+        return _inline(case)
+    written = case.scene[source]
+    value, parameters = meant(written), meant(case.scene.get("parameters") or {})
     if source == "structure":
         return load(shipped(value))
     if source == "file":
-        return load(os.path.join(os.path.dirname(case.path), str(own[source])))
+        return load(os.path.join(os.path.dirname(case.path), str(written)))
     try:
         return new(value, **parameters) if source == "family" else from_dict(chain(**value))
     except (TypeError, ValueError, ZeroDivisionError) as error:
@@ -100,11 +99,11 @@ def _from(source: str, own: dict[str, Any], case: Case) -> Scene:
         raise OptionError(f"no {source} can be made of {value!r}{given}: {error}") from None
 
 
-def _inline(own: dict[str, Any], case: Case) -> Scene:
+def _inline(case: Case) -> Scene:
     """Return a scene written out in its case."""
     findings = Findings()
-    base = os.path.dirname(case.path)
-    scene = read_scene(findings, {"name": case.id, **own}, case.path, base)
+    own = {key: value for key, value in case.scene.items() if key in SCENE_KEYS}
+    scene = read_scene(findings, {"name": case.id, **own}, case.path, os.path.dirname(case.path))
     if scene is None or not findings.none:
         raise SceneError(findings.problems(case.path, lambda where, at: case.place(("scene", *where), at)))
     return scene
