@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 MANY = 2000
 """Elements above which a scene file keeps its nodes and elements in tables beside it."""
 
-SCENE = {".yaml": "", ".yml": ""}
+_SUFFIXES = {".yaml": "", ".yml": ""}
 
 _EPILOG = examples(
     "cgff new prism --sides 5 --noise 0.1 --seed 1 -o prism.yaml",
@@ -113,7 +113,7 @@ def _write(made: "Made", output: str, tables: bool | None) -> None:
     from cgff_cli.scene.tables_out import element_table, node_table
     from cgff_cli.scene.write import to_yaml
 
-    streamed = output == STDOUT or form_of_file("-o", output, SCENE, "the name of a scene") is None
+    streamed = output == STDOUT or form_of_file("-o", output, _SUFFIXES, "the name of a scene") is None
     if streamed and tables:
         raise click.UsageError("--tables needs -o FILE.yaml, beside which the tables are written")
     tabled = not streamed and (made.scene.element_count > MANY if tables is None else tables)

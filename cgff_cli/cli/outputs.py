@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from cgff_cli.result import Result
     from cgff_cli.scene.scene import Scene
 
-RESULT = {".json": "everything", ".csv": "the coordinates"}
-ONE_OF_ITS_TABLES = {".json": "one object", ".csv": "a table"}
-SUMMARY = {".csv": "", ".jsonl": ""}
-BESIDE = ("table", "jsonl")
+_RESULT = {".json": "everything", ".csv": "the coordinates"}
+_ONE_OF_ITS_TABLES = {".json": "one object", ".csv": "a table"}
+_SUMMARY = {".csv": "", ".jsonl": ""}
+_BESIDE = ("table", "jsonl")
 """Formats that standard output may get beside a file."""
 
 
@@ -48,7 +48,7 @@ class Outputs:
     def __init__(self, scenes: Sequence[str], flags: Mapping[str, Any]):
         _refuse_conflicts(scenes, flags)
         self.summary: str | None = flags["summary"]
-        self.as_lines = bool(self.summary) and form_of_file("--summary", self.summary, SUMMARY) == "jsonl"
+        self.as_lines = bool(self.summary) and form_of_file("--summary", self.summary, _SUMMARY) == "jsonl"
         self.files = {scene: list(_files(scene, flags)) for scene in scenes}
         self.shown = _shown(flags, many=len(scenes) > 1)
         self.rows: list[dict[str, Any]] = []
@@ -117,22 +117,22 @@ def _refuse_conflicts(scenes: Sequence[str], flags: Mapping[str, Any]) -> None:
 
 
 def _files(scene: str, flags: Mapping[str, Any]) -> Iterator[File]:
-    asked = None if flags["output_format"] in BESIDE else flags["output_format"]
+    asked = None if flags["output_format"] in _BESIDE else flags["output_format"]
     if flags["out_dir"] is not None:
         form = asked or "json"
         stem = "stdin" if scene == STDOUT else os.path.splitext(os.path.basename(scene))[0]
         yield File(os.path.join(flags["out_dir"], f"{stem}.{form}"), "result", form)
     if flags["output"] not in (None, STDOUT):
-        yield File(flags["output"], "result", form_of_data(asked, flags["output"], RESULT))
+        yield File(flags["output"], "result", form_of_data(asked, flags["output"], _RESULT))
     for kind in ("history", "elements"):
         path = flags[kind]
         if path is not None:
-            yield File(path, kind, form_of_file(f"--{kind}", path, ONE_OF_ITS_TABLES) or "csv")
+            yield File(path, kind, form_of_file(f"--{kind}", path, _ONE_OF_ITS_TABLES) or "csv")
 
 
 def _shown(flags: Mapping[str, Any], many: bool) -> str:
     filed = flags["out_dir"] is not None or flags["output"] not in (None, STDOUT)
-    if filed and flags["output_format"] not in BESIDE:
+    if filed and flags["output_format"] not in _BESIDE:
         return ""
     form = form_of_data(flags["output_format"], None)
     if form == "jsonl":
