@@ -12,16 +12,15 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 390,
+    "top": 650,
     "analysis": 560,
-    "bench": 770,
-    "cli": 1690,
-    "comparison": 520,
+    "cli": 1790,
     "mechanics": 850,
-    "report": 1630,
+    "report": 1330,
     "rivals": 790,
     "scene": 3410,
     "solvers": 2120,
+    "study": 1430,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""
 
