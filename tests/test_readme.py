@@ -21,7 +21,7 @@ from cgff_cli.cli.comparing import RIVALS
 from cgff_cli.cli.requirements import ALLOWED, MOST_DIRECTIONS
 from cgff_cli.mechanics.connectivity import DENSE_ENTRIES
 from cgff_cli.options import OPTIONS
-from cgff_cli.report.columns import ELEMENT_COLUMNS, node_columns
+from cgff_cli.report.columns import element_blocks, node_blocks
 from cgff_cli.result import FIELDS
 from cgff_cli.rivals.registry import REGISTRY
 from cgff_cli.rivals.scipy_solvers import MOST_DENSE
@@ -241,8 +241,8 @@ def test_the_columns_of_csv_tables_are_those_of_the_program():
     columns = {row[0]: code_in(row[2]) for row in rows("CSV")}
     assert columns["summary"] == list(SUMMARY)
     result = cgff_cli.solve(ROOT / "structures" / "prism.yaml")
-    assert columns["coordinates"] == list(node_columns(result))
-    assert list(ELEMENT_COLUMNS) == list(result.elements[0])
+    assert columns["coordinates"] == list(next(node_blocks(result)))
+    assert list(next(element_blocks(result))) == list(result.elements[0])
 
 
 def test_the_fields_of_a_comparison_are_those_of_the_program():

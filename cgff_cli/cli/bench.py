@@ -8,6 +8,8 @@ import click
 from cgff_cli.cli.common import (
     ExitCode,
     SectionCommand,
+    examples,
+    flag,
     progress,
     report_error,
     say,
@@ -28,32 +30,29 @@ if TYPE_CHECKING:
     from cgff_cli.study.bench import Job
     from cgff_cli.study.machine import Done, Row
 
-EPILOG = """\b
-Examples:
-  cgff bench -o bench.json
-  cgff bench --only towers/ --lm --lbfgs --format table
-  cgff bench suite.yaml prism.yaml --all --repeat 1 -o rows.csv
-"""
-
-_ONLY = (
-    ("--only",),
-    "Cases",
-    {"metavar": "WORD", "multiple": True, "help": "Only cases with WORD in their id; may be repeated."},
-)
-_AGAIN = (
-    ("--again",),
-    "Cases",
-    {"is_flag": True, "help": "Measure anew what FILE.json holds already."},
+_EPILOG = examples(
+    "cgff bench -o bench.json",
+    "cgff bench suite.yaml prism.yaml --only towers/ --lm --lbfgs --format table",
 )
 
+_ONLY = flag(
+    "--only",
+    section="Cases",
+    metavar="WORD",
+    multiple=True,
+    help="Only cases with WORD in their id; may be repeated.",
+)
+_AGAIN = flag("--again", section="Cases", is_flag=True, help="Measure anew what FILE.json holds already.")
 
-@click.command("bench", cls=SectionCommand, epilog=EPILOG)
+
+@click.command("bench", cls=SectionCommand, epilog=_EPILOG)
 @click.argument("suites", nargs=-1, metavar="[SUITE|SCENE...]", type=click.Path())
 @comparing_flags(
     "all",
     10.0,
     "Write to FILE after every case: .json everything, to go on from when started again; .csv a table.",
-    [_ONLY, _AGAIN],
+    _ONLY,
+    _AGAIN,
 )
 @word_options
 @click.pass_context

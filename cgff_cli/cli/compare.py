@@ -10,6 +10,7 @@ import click
 from cgff_cli.cli.common import (
     ExitCode,
     SectionCommand,
+    examples,
     progress,
     report_error,
     say,
@@ -26,6 +27,7 @@ from cgff_cli.cli.comparing import (
     form_of,
     wanted_methods,
 )
+from cgff_cli.cli.options import once_only, output_flag
 from cgff_cli.cli.targets import Named, check_targets, files_among, files_of, refuse_inputs
 from cgff_cli.report.files import STDOUT, write_output
 
@@ -34,35 +36,27 @@ if TYPE_CHECKING:
     from cgff_cli.study.record import Comparison
     from cgff_cli.study.scenes import SceneJob
 
-EPILOG = """\b
-Examples:
-  cgff compare --fdm
-  cgff compare prism.yaml --fdm --fsolve --lm --plot prism.png
-  cgff compare net.yaml --all --repeat 5 --format json | jq '.methods[].verdict'
-  cgff compare *.yaml --all -o methods.csv
-"""
+_EPILOG = examples(
+    "cgff compare prism.yaml --fdm --fsolve --lm --plot prism.png",
+    "cgff compare *.yaml --all -o methods.csv",
+)
 
 PICTURES = (".png", ".svg")
 
-_PLOT = (
-    ("--plot",),
-    "Output",
-    {
-        "metavar": "FILE",
-        "type": click.Path(),
-        "help": "Also draw residual against time and iterations to FILE (.png or .svg); "
-        "needs matplotlib, the extra cgff-cli[plot].",
-    },
+_PLOT = output_flag(
+    "--plot",
+    help="Also draw residual against time and iterations to FILE (.png or .svg); needs matplotlib, the "
+    "extra cgff-cli[plot].",
 )
 
 
-@click.command("compare", cls=SectionCommand, epilog=EPILOG)
+@click.command("compare", cls=SectionCommand, epilog=_EPILOG)
 @click.argument("scenes", nargs=-1, metavar="[SCENE...]", type=click.Path(allow_dash=True))
 @comparing_flags(
     "fdm",
     60.0,
     "Write to FILE: .json everything, .csv a row per scene and method; - is standard output.",
-    [_PLOT],
+    _PLOT,
 )
 @word_options
 @click.pass_context
@@ -143,8 +137,7 @@ def _told(ended: "Done[SceneJob, Comparison]") -> ExitCode:
 
 def _prepare(scenes: Sequence[str], path: str | None, plot: str | None) -> list[Named]:
     """Return the files to write; what cannot be written is refused before any scene is solved."""
-    if scenes.count(STDOUT) > 1:
-        raise click.UsageError("standard input (-) can be read only once")
+    once_only(*scenes)
     if plot is not None:
         from cgff_cli.report.plots import check_matplotlib
 

@@ -5,62 +5,52 @@ from typing import Any
 
 import click
 
-from cgff_cli.cli.common import ExitCode, SectionCommand, SectionOption, word_options, worst
+from cgff_cli.cli.common import ExitCode, SectionCommand, examples, flag, word_options, worst
 from cgff_cli.cli.options import (
+    Checked,
     given_solve_options,
-    list_given,
     output_options,
     scenes_arguments,
     solve_options,
 )
-from cgff_cli.cli.outputs import Flags, Outputs
-from cgff_cli.cli.requirements import ALLOWED, Requirements
+from cgff_cli.cli.outputs import Outputs
+from cgff_cli.cli.requirements import ALLOWED, requirements
 from cgff_cli.cli.solving import Solving, earlier, took, watched
 from cgff_cli.report.files import STDOUT
 
-EPILOG = """\b
-Examples:
-  cgff solve prism.yaml
-  cgff solve prism.yaml -o prism.json --history prism-history.csv
-  cgff solve *.yaml --out-dir results --summary results.csv
-  cgff solve *.yaml --out-dir results --jobs 4 --resume
-  find . -name "*.yaml" | cgff solve --files-from - --format jsonl
-  cgff solve net.yaml --format csv > shape.csv
-  cgff solve tower.yaml --require stable,no-slack,max-strain=0.02
-  cat prism.yaml | cgff solve - | jq .analysis
-"""
+_EPILOG = examples(
+    "cgff solve prism.yaml -o prism.json --history prism.csv",
+    "cgff solve *.yaml --out-dir results --require stable,no-slack,max-strain=0.02",
+)
 
 
-@click.command("solve", cls=SectionCommand, epilog=EPILOG)
-@scenes_arguments
+@click.command("solve", cls=SectionCommand, epilog=_EPILOG)
 @output_options
-@click.option(
+@flag(
+    "--require",
+    section="Judging",
+    type=Checked("requirements", requirements),
+    metavar="WORDS",
+    multiple=True,
+    help=f"End with exit code 5 where an equilibrium is not all of these: {ALLOWED}.",
+)
+@flag(
     "--jobs",
-    cls=SectionOption,
     section="Many scenes",
     type=click.IntRange(min=1),
     default=1,
     metavar="N",
     help="Solve N scenes at a time, each in a process of its own. Default: 1.",
 )
-@click.option(
+@flag(
     "--resume",
-    cls=SectionOption,
     section="Many scenes",
     is_flag=True,
     help="Leave alone what an earlier run with --resume has put into DIR, unless its scene or what is asked "
     "has changed.",
 )
+@scenes_arguments
 @solve_options
-@click.option(
-    "--require",
-    cls=SectionOption,
-    section="Judging",
-    type=Requirements(),
-    metavar="WORDS",
-    multiple=True,
-    help=f"End with exit code 5 where an equilibrium is not all of these: {ALLOWED}.",
-)
 @word_options
 @click.pass_context
 def command(ctx: click.Context, scenes: tuple[str, ...], **values: Any) -> None:
@@ -73,7 +63,7 @@ def command(ctx: click.Context, scenes: tuple[str, ...], **values: Any) -> None:
 
     if values["resume"] and (values["out_dir"] is None or STDOUT in scenes):
         raise click.UsageError("--resume needs --out-dir DIR, and scenes that are files")
-    outputs = Outputs(scenes, Flags(*(values[name] for name in Flags._fields)), list_given())
+    outputs = Outputs(scenes, values)
     # Standard input is there for this process alone.
     processes = 1 if STDOUT in scenes else min(values["jobs"], len(scenes))
     required = tuple(chain.from_iterable(values["require"]))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from cgff_cli.cli.common import ExitCode, progress, report_error, say, title, wanted, warn
+from cgff_cli.cli.common import ExitCode, progress, report_error, say, title, wanted, warn_of
 from cgff_cli.cli.outputs import Outputs
 from cgff_cli.cli.requirements import Requirement, judged_for, unmet
 from cgff_cli.report.files import STDOUT, write_output
@@ -112,13 +112,13 @@ def took(ended: "Done[SceneJob, Kept]", outputs: Outputs, journal: "MutableMappi
     outputs.rows.append(row)
     if ended.is_new and ended.job.digest and not row["interrupted"]:
         journal[ended.job.digest] = row
+    if not outputs.on_page:
+        warn_of(scene, row["warnings"])
     return _tell(title(scene), row)
 
 
 def _tell(name: str, row: "Row") -> ExitCode:
     """Say on standard error what a reader of the exit code alone would miss."""
-    for warning in row["warnings"]:
-        warn(f"cgff: {name}: warning: {warning}")
     if not row["converged"] or row["interrupted"] or wanted("verbose"):
         say(f"cgff: {name}: {row['verdict']}: {row['message']}")
     if row["interrupted"]:
