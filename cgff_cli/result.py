@@ -9,8 +9,8 @@ import numpy as np
 
 from cgff_cli import TOOL
 from cgff_cli.analysis import measures
-from cgff_cli.analysis.cautions import Found, cautions
 from cgff_cli.analysis.equilibrium import analysed, stability_warnings
+from cgff_cli.cautions import Found, cautions
 from cgff_cli.options import SolveOptions
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers.solution import Solution

@@ -16,6 +16,7 @@ ROOMS = (
     "mechanics",
     "solvers",
     "analysis",
+    "cautions",
     "result",
     "pipeline",
     "rivals",

@@ -14,7 +14,7 @@ from cgff_cli.mechanics.signs import BLUR, blurred_at_most, idle_motions, shorte
 from cgff_cli.mechanics.state import State
 from cgff_cli.solvers.factors import Factor, factory
 
-MOST_STEPS = 200
+MOST_VECTORS = 200
 
 Operator = Callable[[np.ndarray], np.ndarray]
 
@@ -105,7 +105,7 @@ def _largest(inverse: Operator, start: np.ndarray, count: int) -> tuple[np.ndarr
     Lanczos' method with all vectors kept and orthogonalised twice. count: dimension of where it acts.
     """
     Q, diagonal, beside = [start / norm(start)], [], []
-    for _ in range(min(count, MOST_STEPS)):
+    for _ in range(min(count, MOST_VECTORS)):
         z = inverse(Q[-1])
         diagonal.append(float(Q[-1] @ z))
         B = np.array(Q)

@@ -10,7 +10,7 @@ from cgff_cli.mechanics.norms import norm
 FLAT = 1e-10
 """Relative size below which a rotation moves nothing (a collinear structure about its own line)."""
 
-PLAIN = 1e-6
+CLEARLY = 1e-6
 """Least eigenvalue of H^T H, H what supports hold of rigid motions, at which they plainly hold them all."""
 
 UNTURNED = 1e-12
@@ -67,7 +67,7 @@ def all_motions(X: np.ndarray) -> np.ndarray:
 def _at_rest(held: np.ndarray) -> np.ndarray:
     """Return orthonormal combinations (r, c) of motions that rest where held; held: (h, r) rates there."""
     r = held.shape[1]
-    if np.linalg.eigvalsh(held.T @ held)[0] > PLAIN:
+    if np.linalg.eigvalsh(held.T @ held)[0] > CLEARLY:
         return np.zeros((r, 0))
     _, values, rows = np.linalg.svd(np.concatenate((held, np.zeros((r, r)))), full_matrices=False)
     return rows[int((values > FLAT).sum()) :].T

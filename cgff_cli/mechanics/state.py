@@ -200,7 +200,7 @@ class State:
 
         q: (b,) nonnegative force densities to use in place of the state's own; taut: (b,) bool, likewise.
         """
-        return tangent.dense(self.mechanics.connectivity, self.parts(q, taut), self.mechanics.mask)
+        return tangent.stiffness_matrix(self.mechanics.connectivity, self.parts(q, taut), self.mechanics.mask)
 
     def pull(self) -> np.ndarray:
         """Return U q, (n, d), at all nodes, those that do not move included, in the frame's units."""

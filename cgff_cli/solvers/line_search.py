@@ -26,7 +26,7 @@ MOST_TRIALS = 60
 """Trials on a line, and unstable equilibria left behind, before it is enough."""
 
 ENOUGH_DECREASE = 1e-4
-FLAT = 1.0 / TENFOLD
+FLAT_ENOUGH = 1.0 / TENFOLD
 FLAT_ENOUGH_FOR_NEWTON = 0.5
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import cgff_cli
-from cgff_cli.analysis.cautions import Found, cautions
+from cgff_cli.cautions import Found, cautions
 from cgff_cli.scene.families import FAMILIES
 from cgff_cli.scene.new import new
 from cgff_cli.scene.scene import Scene

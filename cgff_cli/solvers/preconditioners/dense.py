@@ -32,7 +32,7 @@ class DenseTangent(Tangent):
 
     def system(self, parts: Parts, shift: float, *, trusted: bool = False) -> Solve | None:
         """Return M^-1 as a function, or None where M has no Cholesky factor."""
-        M = tangent.dense(self.mechanics.connectivity, parts, self.mechanics.mask)
+        M = tangent.stiffness_matrix(self.mechanics.connectivity, parts, self.mechanics.mask)
         if self.renew:
             R = all_motions(parts.X) if self.mechanics.all_free else self._allowed(parts.X)
             self.R, self.renew = R.dot(self.stiffness * R.T), False

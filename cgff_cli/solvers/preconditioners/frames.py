@@ -22,7 +22,7 @@ from cgff_cli.mechanics.elements import EPS, TINY
 from cgff_cli.mechanics.pattern import GraphPattern
 from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.solvers.factors import Factor, factory
-from cgff_cli.solvers.line_search import FLAT, HUNDREDFOLD, Goal, strong_wolfe
+from cgff_cli.solvers.line_search import FLAT_ENOUGH, HUNDREDFOLD, Goal, strong_wolfe
 from cgff_cli.solvers.objectives import Energy
 from cgff_cli.solvers.preconditioners.base import FIRST_SHIFT, QUARTER, Preconditioner
 from cgff_cli.solvers.preconditioners.planes import local_frames
@@ -63,7 +63,7 @@ class NodeFrames(Preconditioner):
         if mechanics.F is not None:
             sag, energy = np.stack([factor.solve(f) for f in mechanics.F]), Energy()
             line = energy.line(found, sag)
-            goal = Goal(line(0.0).slope, partial(energy.noise, found), FLAT)
+            goal = Goal(line(0.0).slope, partial(energy.noise, found), FLAT_ENOUGH)
             step, _ = strong_wolfe(line, goal, line(1.0))
             found = mechanics.at(found.X + step.step * sag)
         if found.energy >= state.energy:
