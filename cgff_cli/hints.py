@@ -1,6 +1,6 @@
 """Did you mean: the names most like one that does not exist."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 
 _POOL = 1000
 NAMED = 3  # more names that are equally near are no hint
@@ -29,6 +29,11 @@ def did_you_mean(name: str, candidates: Iterable[str]) -> str:
     """Return "; did you mean 'x' or 'y'?", or nothing where no candidate is near, or too many are."""
     near = nearest(name, candidates)
     return f"; did you mean {either(list(map(repr, near)))}?" if 0 < len(near) <= NAMED else ""
+
+
+def meant_or_all(name: str, candidates: Collection[str]) -> str:
+    """Return "; did you mean 'x'?", or all that is allowed where no candidate is near."""
+    return did_you_mean(name, candidates) or f"; allowed: {', '.join(candidates)}"
 
 
 def either(words: Sequence[str], joint: str = "or") -> str:
