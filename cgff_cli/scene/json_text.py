@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 from itertools import islice
 from typing import Any
 
-from cgff_cli.scene.brackets import deeper, innermost
+from cgff_cli.scene.brackets import CLOSING, Brackets, brackets, deeper, innermost
 from cgff_cli.scene.fields import Plain
 from cgff_cli.scene.findings import Mark, Where, quoted
 from cgff_cli.scene.keys import Holed
@@ -24,7 +24,6 @@ _TO_BRACKET = re.compile(rf'(?:[^][{{}}"]++|{_QUOTED}|{_FLAT})*+([][{{}}])')
 _WORD = re.compile(r'[^][{}",\s]+')
 
 _CLOSES = re.compile(r"\s*([]}])")
-_CLOSING = {"[": "]", "{": "}"}
 
 
 class _Doubled(Holed):
@@ -58,7 +57,7 @@ class JsonDocument:
         except RecursionError:
             self._refuse_depth()
         if self._doubled and not self._is_too_deep():
-            self.faults += self._doubles(self.value, ())
+            self.faults += self._doubles()
 
     @property
     def value(self) -> Any:
@@ -89,22 +88,23 @@ class JsonDocument:
         return not self.whole
 
     def _refuse_depth(self) -> None:
-        at = deeper(self._text, 0, len(self._text), DEPTH) or 0
+        at = deeper(brackets(self._text, 0, len(self._text)), DEPTH) or 0
         self.whole, self.faults = False, [(self._mark(at), f"nested deeper than {DEPTH} levels")]
 
-    def _doubles(self, value: Any, where: Where) -> Iterator[tuple[Mark, str]]:
-        """Yield the faults of all keys that stand twice in a mapping inside a value."""
-        if isinstance(value, _Doubled):
+    def _doubles(self) -> Iterator[tuple[Mark, str]]:
+        """Yield the faults of all keys that stand twice in a mapping."""
+        places = list(_doubled_in(self.value, (), dict))
+        if len(places) < len(self._doubled):
+            places = list(_doubled_in(self.value, (), (dict, list)))
+        for where, value in places:
             members = self._members_of(value, self._find(where)[1])
-            wrong = []
-            for before, (row, key) in enumerate(value.again):
-                line = self._mark(members.offsets(members.row(key))[0])[0]
-                message = f"duplicate key {quoted(key)}; first on line {line}"
-                wrong.append((row - before, self._mark(members.offsets(row)[0]), message))
+            again = [self._mark(members.offsets(row)[0]) for row, _ in value.again]
+            first = [self._mark(members.offsets(members.row(key))[0])[0] for _, key in value.again]
+            wrong = (
+                (row - i, again[i], f"duplicate key {quoted(key)}; first on line {first[i]}")
+                for i, (row, key) in enumerate(value.again)
+            )
             yield from in_rows(where, wrong)
-        for step, inside in value.items() if isinstance(value, dict) else enumerate(value):
-            if isinstance(inside, (dict, list)):
-                yield from self._doubles(inside, (*where, step))
 
     def sharpened(self, wheres: Iterable[Where]) -> bool:
         """Put in what is written for every number, true, false and null at some places.
@@ -184,15 +184,30 @@ class _Members:
                 at = _end(self._text, value)
 
 
+def _doubled_in(value: Any, where: Where, kinds: Any) -> Iterator[tuple[Where, _Doubled]]:
+    """Yield the way to every mapping with doubled keys inside a value, through values of some kinds."""
+    if isinstance(value, _Doubled):
+        yield where, value
+    for step, inside in value.items() if isinstance(value, dict) else enumerate(value):
+        if isinstance(inside, kinds):
+            yield from _doubled_in(inside, (*where, step), kinds)
+
+
+def _brackets(text: str, at: int, end: int) -> Brackets:
+    """Yield (offset, bracket) of every bracket of a JSON text but those of lists without lists inside."""
+    while (bracket := _TO_BRACKET.match(text, at, end)) is not None:
+        at = bracket.end()
+        yield at - 1, text[at - 1]
+
+
 def _end(text: str, at: int) -> int:
     """Return where the mapping or list ends that begins at an offset."""
     depth = 0
-    while (bracket := _TO_BRACKET.match(text, at)) is not None:
-        at = bracket.end()
-        depth += 1 if bracket.group(1) in "[{" else -1
+    for offset, mark in _brackets(text, at, len(text)):
+        depth += 1 if mark in CLOSING else -1
         if depth == 0:
-            break
-    return at
+            return offset + 1
+    return len(text)
 
 
 def _has(value: Any, step: Any) -> bool:
@@ -212,9 +227,9 @@ def fault(text: str, error: json.JSONDecodeError) -> tuple[int, str]:
         return at, "comments are for scenes in YAML, behind #"
     if text.startswith("'", at):
         return at, "names and words stand in double quotes"
-    opened = innermost(text, text.find(text.lstrip()[:1]), at)
+    opened = innermost(_brackets(text, 0, at))
     closing = text[at : at + 1] if text[at:].strip() else ""
-    if opened is not None and closing in ("", *"]}") and closing != _CLOSING[text[opened]]:
+    if opened is not None and closing in ("", *"]}") and closing != CLOSING[text[opened]]:
         return opened, f"the {text[opened]!r} opened here is not closed"
     return _behind_comma(text, error) or (at, error.msg[:1].lower() + error.msg[1:])
 
@@ -233,8 +248,8 @@ def _open_quote(text: str, at: int) -> int | None:
     """Return where the text in quotes begins that is not closed on its line, or closed at a wrong place."""
     begin = text.rfind("\n", 0, at) + 1
     line = text[begin : text.find("\n", begin) if "\n" in text[begin:] else None]
-    quotes = [begin + mark.start() for mark in re.finditer(r'(?<!\\)"', line)]
-    if len(quotes) % 2 == 0:
+    if (line.count('"') - line.count('\\"')) % 2 == 0:
         return None
+    quotes = [begin + mark.start() for mark in re.finditer(r'(?<!\\)"', line)]
     before = [quote for i, quote in enumerate(quotes) if quote <= at and i % 2 == 0]
     return before[-1] if before else quotes[0]

@@ -6,6 +6,7 @@ written without quotes) and the field it fills decides what it means. YAML's own
 """
 
 from collections.abc import Hashable, Iterable, Iterator
+from itertools import chain
 from typing import Any
 
 from cgff_cli.scene.fields import Plain
@@ -83,8 +84,10 @@ def too_deep(value: Any) -> bool:
     """Return whether mappings and lists nest deeper than a scene's may."""
     level = [value] if isinstance(value, (dict, list)) else []
     for _ in range(DEPTH):
-        members = (own.values() if isinstance(own, dict) else own for own in level)
-        level = [inside for inner in members for inside in inner if isinstance(inside, (dict, list))]
+        members = list(chain.from_iterable(own.values() if isinstance(own, dict) else own for own in level))
+        if not any(issubclass(kind, (dict, list)) for kind in set(map(type, members))):
+            return False
+        level = [inside for inside in members if isinstance(inside, (dict, list))]
     return bool(level)
 
 

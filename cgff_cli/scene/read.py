@@ -80,14 +80,19 @@ def loads(text: str, path: str = "<text>", base: str | os.PathLike[str] | None =
     text = text.removeprefix("\ufeff")
     directory = os.fspath(base) if base is not None else ""
     with _collection_paused():
-        document = _json(text, path) or Document(yaml_events(text))
-        while True:
-            findings = Findings(document.faults)
-            scene = read_scene(findings, document.value, path, directory) if document.whole else None
-            if scene is not None and findings.none:
-                return scene
-            if not document.sharpened(findings.wheres):
-                raise SceneError(findings.problems(path, document.place))
+        return _read(text, path, directory)
+
+
+def _read(text: str, path: str, base: str) -> Scene:
+    """Return the scene of a text; it is read again where what was found wrong is then seen more sharply."""
+    document = _json(text, path) or Document(yaml_events(text))
+    while True:
+        findings = Findings(document.faults)
+        scene = read_scene(findings, document.value, path, base) if document.whole else None
+        if scene is not None and findings.none:
+            return scene
+        if not document.sharpened(findings.wheres):
+            raise SceneError(findings.problems(path, document.place))
 
 
 def from_dict(mapping: Mapping[str, Any]) -> Scene:
