@@ -72,8 +72,8 @@ class Findings:
 
     def _add(self, where: Where, named: Where, message: str, at_key: bool, alike: Hashable) -> None:
         if not self.closed or where[0] not in self.closed:
-            name = self._label_of(named)
-            self._items.append(_Item(where, f"{name}: {message}" if name else message, at_key, alike))
+            message = labelled(self._label_of(named), message)
+            self._items.append(_Item(where, message, at_key, alike))
 
     @property
     def none(self) -> bool:
@@ -120,6 +120,11 @@ def label(where: Where) -> str:
             word = step if _WORD.fullmatch(step) and len(step) <= 60 else quoted(step)
             text += f".{word}" if text else word
     return text
+
+
+def labelled(name: str, message: str) -> str:
+    """Return a message behind the name of what it is about, where that has one."""
+    return f"{name}: {message}" if name else message
 
 
 def quoted(text: str, limit: int = 60) -> str:

@@ -1,38 +1,20 @@
 """JSON text -> plain values at the speed of the standard library, and the place of any once it is needed.
 
-The library reads fast but knows no positions. Where something is wrong, the text is scanned for it alone:
-only the mappings and lists that lead to it are walked, and what stands beside it is skipped.
+The library reads fast but knows no positions; where something is wrong, the text is searched for it alone.
 """
 
 import json
 import re
-from array import array
 from collections.abc import Iterable, Iterator
-from itertools import islice
 from typing import Any
 
-from cgff_cli.scene.brackets import CLOSING, Brackets, brackets, deeper, innermost
+from cgff_cli.scene.brackets import CLOSING, brackets, deeper, innermost
 from cgff_cli.scene.fields import Plain
 from cgff_cli.scene.findings import Mark, Where, quoted
-from cgff_cli.scene.keys import Holed
+from cgff_cli.scene.json_places import Doubled, Places, has, json_brackets
 from cgff_cli.scene.located import DEPTH, in_rows, too_deep
 
-_QUOTED = r'"(?:[^"\\]++|\\.)*+"'
-_FLAT = rf'\[(?:[^][{{}}"]++|{_QUOTED})*+\]'
-_MEMBER = re.compile(rf'[\s,]*+(?:({_QUOTED})\s*+:\s*+)?+({_FLAT}|{_QUOTED}|[^][{{}}",\s]++|[{{\[])')
-_TO_BRACKET = re.compile(rf'(?:[^][{{}}"]++|{_QUOTED}|{_FLAT})*+([][{{}}])')
-_WORD = re.compile(r'[^][{}",\s]+')
-
 _CLOSES = re.compile(r"\s*([]}])")
-
-
-class _Doubled(Holed):
-    """A mapping some keys of which stand in it again: the first ones count. again : (row, key)."""
-
-    def __init__(self, pairs: list[tuple[str, Any]]):
-        first: dict[str, int] = {}
-        self.again = [(row, key) for row, (key, _) in enumerate(pairs) if first.setdefault(key, row) != row]
-        super().__init__({key: pairs[row][1] for key, row in first.items()}, len(self.again))
 
 
 class JsonDocument:
@@ -44,10 +26,8 @@ class JsonDocument:
 
     def __init__(self, text: str):
         self._text = text
-        self._root = len(text) - len(text.lstrip())
-        self._members: dict[int, _Members] = {}
-        self._seen = (0, 1, 0)
-        self._doubled: list[_Doubled] = []
+        self._places = Places(text)
+        self._doubled: list[Doubled] = []
         self._looked_at = False
         self._values: list[Any] = [None]
         self.faults: list[tuple[Mark, str]] = []
@@ -77,7 +57,7 @@ class JsonDocument:
         mapping = dict(pairs)
         if len(mapping) == len(pairs):
             return mapping
-        self._doubled.append(_Doubled(pairs))
+        self._doubled.append(Doubled(pairs))
         return self._doubled[-1]
 
     def _is_too_deep(self) -> bool:
@@ -89,7 +69,7 @@ class JsonDocument:
 
     def _refuse_depth(self) -> None:
         at = deeper(brackets(self._text, 0, len(self._text)), DEPTH) or 0
-        self.whole, self.faults = False, [(self._mark(at), f"nested deeper than {DEPTH} levels")]
+        self.whole, self.faults = False, [(self._places.mark(at), f"nested deeper than {DEPTH} levels")]
 
     def _doubles(self) -> Iterator[tuple[Mark, str]]:
         """Yield the faults of all keys that stand twice in a mapping."""
@@ -97,9 +77,9 @@ class JsonDocument:
         if len(places) < len(self._doubled):
             places = list(_doubled_in(self.value, (), (dict, list)))
         for where, value in places:
-            members = self._members_of(value, self._find(where)[1])
-            again = [self._mark(members.offsets(row)[0]) for row, _ in value.again]
-            first = [self._mark(members.offsets(members.row(key))[0])[0] for _, key in value.again]
+            members = self._places.members(value, self._places.find(self.value, where)[1])
+            again = [self._places.mark(members.offsets(row)[0]) for row, _ in value.again]
+            first = [self._places.mark(members.offsets(members.row(key))[0])[0] for _, key in value.again]
             wrong = (
                 (row - i, again[i], f"duplicate key {quoted(key)}; first on line {first[i]}")
                 for i, (row, key) in enumerate(value.again)
@@ -117,104 +97,25 @@ class JsonDocument:
         for where in wheres:
             owner: Any = self._values
             for step in (path := (0, *where))[:-1]:
-                owner = owner[step] if _has(owner, step) else None
-            if _has(owner, path[-1]) and not isinstance(owner[path[-1]], (str, list, dict)):
-                word = _WORD.match(self._text, self._find(where)[1])
-                owner[path[-1]] = Plain(word.group() if word else "")
+                owner = owner[step] if has(owner, step) else None
+            if has(owner, path[-1]) and not isinstance(owner[path[-1]], (str, list, dict)):
+                owner[path[-1]] = self._places.word(self._places.find(self.value, where)[1])
                 changed = True
         return changed
 
     def place(self, where: Where, at_key: bool = False) -> Mark:
         """Return the line and column of a value, or of its key; of its owner where it is missing."""
-        key, at = self._find(where)
-        return self._mark(key if at_key else at)
-
-    def _find(self, where: Where) -> tuple[int, int]:
-        """Return the offsets of a key and its value; of its owner's where it is missing."""
-        value, key, at = self.value, self._root, self._root
-        for step in where:
-            if not _has(value, step):
-                break
-            members = self._members_of(value, at)
-            key, at = members.offsets(members.row(step))
-            value = value[step]
-        return key, at
-
-    def _members_of(self, value: Any, at: int) -> "_Members":
-        if at not in self._members:
-            self._members[at] = _Members(self._text, at, value)
-        return self._members[at]
-
-    def _mark(self, offset: int) -> Mark:
-        """Return line and column of an offset, counted on from the offset asked for before."""
-        seen, line, begin = self._seen if self._seen[0] <= offset else (0, 1, 0)
-        line += self._text.count("\n", seen, offset)
-        begin = max(begin, self._text.rfind("\n", seen, offset) + 1)
-        self._seen = offset, line, begin
-        return line, offset - begin + 1
+        key, at = self._places.find(self.value, where)
+        return self._places.mark(key if at_key else at)
 
 
-class _Members:
-    """Where the keys and values of a mapping or list stand, found as far as they are asked for."""
-
-    def __init__(self, text: str, at: int, value: Any):
-        self._text = text
-        self._found = array("q")
-        self._rest = self._scan(at + 1)
-        again = {row for row, _ in value.again} if isinstance(value, _Doubled) else ()
-        rows = (row for row in range(len(value) + len(again)) if row not in again)
-        self._rows = dict(zip(value, rows, strict=True)) if isinstance(value, dict) else None
-
-    def row(self, step: Any) -> int:
-        """Return which member a key or an index leads to."""
-        return int(step) if self._rows is None else self._rows[step]
-
-    def offsets(self, row: int) -> tuple[int, int]:
-        """Return where the key and the value of a member begin; both the value where there is no key."""
-        missing = 2 * (row + 1) - len(self._found)
-        self._found.extend(islice(self._rest, max(missing, 0)))
-        return self._found[2 * row], self._found[2 * row + 1]
-
-    def _scan(self, at: int) -> Iterator[int]:
-        while (member := _MEMBER.match(self._text, at)) is not None:
-            value, at = member.span(2)
-            yield value if member.start(1) < 0 else member.start(1)
-            yield value
-            if at == value + 1 and self._text[value] in "[{":
-                at = _end(self._text, value)
-
-
-def _doubled_in(value: Any, where: Where, kinds: Any) -> Iterator[tuple[Where, _Doubled]]:
+def _doubled_in(value: Any, where: Where, kinds: Any) -> Iterator[tuple[Where, Doubled]]:
     """Yield the way to every mapping with doubled keys inside a value, through values of some kinds."""
-    if isinstance(value, _Doubled):
+    if isinstance(value, Doubled):
         yield where, value
     for step, inside in value.items() if isinstance(value, dict) else enumerate(value):
         if isinstance(inside, kinds):
             yield from _doubled_in(inside, (*where, step), kinds)
-
-
-def _brackets(text: str, at: int, end: int) -> Brackets:
-    """Yield (offset, bracket) of every bracket of a JSON text but those of lists without lists inside."""
-    while (bracket := _TO_BRACKET.match(text, at, end)) is not None:
-        at = bracket.end()
-        yield at - 1, text[at - 1]
-
-
-def _end(text: str, at: int) -> int:
-    """Return where the mapping or list ends that begins at an offset."""
-    depth = 0
-    for offset, mark in _brackets(text, at, len(text)):
-        depth += 1 if mark in CLOSING else -1
-        if depth == 0:
-            return offset + 1
-    return len(text)
-
-
-def _has(value: Any, step: Any) -> bool:
-    """Return whether a value has a member of a key or an index."""
-    if isinstance(value, list):
-        return isinstance(step, int) and step < len(value)
-    return isinstance(value, dict) and step in value
 
 
 def fault(text: str, error: json.JSONDecodeError) -> tuple[int, str]:
@@ -227,7 +128,7 @@ def fault(text: str, error: json.JSONDecodeError) -> tuple[int, str]:
         return at, "comments are for scenes in YAML, behind #"
     if text.startswith("'", at):
         return at, "names and words stand in double quotes"
-    opened = innermost(_brackets(text, 0, at))
+    opened = innermost(json_brackets(text, 0, at))
     closing = text[at : at + 1] if text[at:].strip() else ""
     if opened is not None and closing in ("", *"]}") and closing != CLOSING[text[opened]]:
         return opened, f"the {text[opened]!r} opened here is not closed"

@@ -10,7 +10,7 @@ from itertools import chain
 from typing import Any
 
 from cgff_cli.scene.fields import Plain
-from cgff_cli.scene.findings import Mark, Where, counted, label, quoted
+from cgff_cli.scene.findings import Mark, Where, counted, label, labelled, quoted
 from cgff_cli.scene.keys import Holed
 
 DEPTH = 40
@@ -98,7 +98,7 @@ def in_rows(where: Where, wrong: Iterable[tuple[Hashable, Mark, str]]) -> Iterat
         rows.setdefault(row, []).append((at, fault))
     for (at, fault), *others in rows.values():
         message = counted(fault, at[0], [line for (line, _), _ in others], "in a row")
-        yield at, f"{label(where)}: {message}" if where else message
+        yield at, labelled(label(where), message)
 
 
 def mark_of(text: str, offset: int) -> Mark:
@@ -203,7 +203,7 @@ class _Composer:
     def _tag(self, event: Any, where: Where) -> None:
         tag = event.tag.replace("tag:yaml.org,2002:", "!!")
         message = f"tags are not allowed, found {quoted(tag)}"
-        self.faults.append((_at(event), f"{label(where)}: {message}" if where else message))
+        self.faults.append((_at(event), labelled(label(where), message)))
 
 
 def _brought(value: Any) -> int:

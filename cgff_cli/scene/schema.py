@@ -1,7 +1,9 @@
 """Plain values -> Scene: what a scene may say, block by block."""
 
 import os.path
-from typing import Any
+from collections.abc import Callable
+from functools import partial
+from typing import Any, TypeVar
 
 from cgff_cli.errors import OptionError
 from cgff_cli.options import OPTIONS, checked
@@ -15,6 +17,8 @@ from cgff_cli.scene.nodes import Nodes
 from cgff_cli.scene.scene import AXES, LAWS, Group, Scene
 
 SCENE_KEYS = ("name", "law", "nodes", "elements", "supports", "loads", "solver")
+T = TypeVar("T")
+Reader = Callable[[Any], T | None]
 _LAWS_EXPLAINED = "paper (force = EA (l - l0)) or hooke (force = EA (l - l0) / l0)"
 _REQUIRED = {
     "law": f"; it must be {_LAWS_EXPLAINED}",
@@ -34,8 +38,11 @@ def read_scene(findings: Findings, value: object, path: str, base: str) -> Scene
     values = well_indented(findings, values, SCENE_KEYS)
     known = check_keys(findings, (), values, SCENE_KEYS, _REQUIRED)
     law = _law(findings, values)
-    points = _nodes(findings, values, base)
-    groups = _elements(findings, values, base, points, law)
+    of_values: Any = partial(nodes.read_nodes, findings)
+    points = _block(findings, values, "nodes", base, of_values, nodes.nodes_of_table)
+    of_values = partial(elements.read_elements, findings, nodes=points, law=law)
+    of_table: Any = partial(elements.groups_of_table, nodes=points, law=law)
+    groups = _block(findings, values, "elements", base, of_values, of_table)
     supports = _supports(findings, values.get("supports"), points)
     loads = _loads(findings, values.get("loads"), points)
     solver = _solver(findings, values.get("solver"))
@@ -71,28 +78,18 @@ def _law(findings: Findings, values: dict[str, Any]) -> str | None:
     return fields.one_of(findings, ("law",), values["law"], LAWS, _LAWS_EXPLAINED)
 
 
-def _nodes(findings: Findings, values: dict[str, Any], base: str) -> Nodes | None:
-    if "nodes" not in values:
+def _block(
+    findings: Findings, values: dict[str, Any], key: str, base: str, of_values: Reader[T], of_table: Reader[T]
+) -> T | None:
+    """Return what the mapping or the table of a block is read as."""
+    if key not in values:
         return None
-    if not is_table(values["nodes"]):
-        return nodes.read_nodes(findings, values["nodes"])
+    if not is_table(values[key]):
+        return of_values(values[key])
     from cgff_cli.scene.tables import open_table
 
-    table = open_table(findings, "nodes", values["nodes"], base)
-    return nodes.nodes_of_table(table) if table else None
-
-
-def _elements(
-    findings: Findings, values: dict[str, Any], base: str, points: Nodes | None, law: str | None
-) -> list[Group] | None:
-    if "elements" not in values:
-        return None
-    if not is_table(values["elements"]):
-        return elements.read_elements(findings, values["elements"], points, law)
-    from cgff_cli.scene.tables import open_table
-
-    table = open_table(findings, "elements", values["elements"], base)
-    return elements.groups_of_table(table, points, law) if table else None
+    table = open_table(findings, key, values[key], base)
+    return of_table(table) if table else None
 
 
 def is_table(value: object) -> bool:
