@@ -122,7 +122,7 @@ def vectors(
 ) -> np.ndarray | None:
     """Return one point or force per key as an (m, d) array; None where any is wrong."""
     d = dimension or 0
-    fits = [type(value) is list and len(value) == d for value in values.values()]
+    fits = [d > 0 and type(value) is list and len(value) == d for value in values.values()]
     if not all(fits):
         odd = [key for key, fit in zip(values, fits, strict=True) if not fit]
         for key in odd:
