@@ -16,7 +16,7 @@ _FLAT = rf'\[(?:[^][{{}}"]++|{_QUOTED})*+\]'
 _MEMBER = re.compile(rf'[\s,]*+(?:({_QUOTED})\s*+:\s*+)?+({_FLAT}|{_QUOTED}|[^][{{}}",\s]++|[{{\[])')
 _TO_BRACKET = re.compile(rf'(?:[^][{{}}"]++|{_QUOTED}|{_FLAT})*+([][{{}}])')
 _WORD = re.compile(r'[^][{}",\s]*')
-_FEW = 50  # so many members are found anew each time rather than kept
+_FEW = 50  # members of a list that are found anew each time rather than kept: there may be a million lists
 
 
 class Doubled(Holed):
@@ -50,9 +50,10 @@ class Places:
 
     def members(self, value: Any, at: int) -> "Members":
         """Return the places of the members of a mapping or list that begins at an offset."""
-        if at in self._members or len(value) < _FEW:
-            return self._members.get(at) or Members(self.text, at, value)
-        self._members[at] = Members(self.text, at, value)
+        if isinstance(value, list) and len(value) < _FEW:
+            return Members(self.text, at, value)
+        if at not in self._members:
+            self._members[at] = Members(self.text, at, value)
         return self._members[at]
 
     def word(self, at: int) -> Plain:

@@ -375,9 +375,20 @@ def test_one_mistake_in_a_large_json_scene_takes_about_as_long_as_reading_it():
     with pytest.raises(cgff_cli.SceneError) as caught:
         cgff_cli.loads(text, "scene.json")
     assert time.process_time() - start < 2.0
-    assert str(caught.value) == (
-        f"scene.json:1:{text.index('null') + 1}: nodes.n40000[0]: must be a number such as 2.98 or 1e-8, got null"
-    )
+    column = text.index("null") + 1
+    message = "nodes.n40000[0]: must be a number such as 2.98 or 1e-8, got null"
+    assert str(caught.value) == f"scene.json:1:{column}: {message}"
+
+
+def test_many_mistakes_in_json_are_found_in_one_walk():
+    nodes = {f"n{i}": ["1", i, 1.0] for i in range(5000)}
+    pairs = [[f"n{i}", f"m{i + 1}"] for i in range(4999)]
+    ring = {"kind": "cable", "EA": -1.0, "rest_length": [-1.5] * 4999, "pairs": pairs}
+    text = json.dumps({"law": "hooke", "nodes": nodes, "elements": {"ring": ring}})
+    start = time.process_time()
+    with pytest.raises(cgff_cli.SceneError, match="more problems, the last one here"):
+        cgff_cli.loads(text, "scene.json")
+    assert time.process_time() - start < 3.0
 
 
 def test_a_large_json_scene_reads_in_about_a_second():
