@@ -36,6 +36,11 @@ def did_you_mean(name: str, candidates: Collection[str], otherwise: str = "") ->
     return f"; {otherwise} {', '.join(candidates)}" if otherwise else ""
 
 
+def meant_or_all(name: str, candidates: Collection[str]) -> str:
+    """Return "; did you mean 'x'?", or all that is allowed where no candidate is near."""
+    return did_you_mean(name, candidates) or f"; allowed: {', '.join(candidates)}"
+
+
 def either(words: Sequence[str], joint: str = "or") -> str:
     """Return words as a list for people: a, b or c."""
     *others, last = words

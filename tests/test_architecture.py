@@ -10,6 +10,7 @@ PACKAGE = Path(__file__).parents[1] / "cgff_cli"
 ROOMS = (
     "errors",
     "hints",
+    "values",
     "options",
     "scene",
     "structure",
