@@ -12,7 +12,7 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 820,
+    "top": 890,
     "analysis": 610,
     "cli": 1780,
     "mechanics": 920,
@@ -26,9 +26,6 @@ BUDGET = {
 
 EVERY_FILE_OF_ITS_KIND = {"command", "equilibrium", "EXAMPLES", "form_find"}
 """What the commands, the families and the methods each have in a file of their own."""
-
-TWICE = {"Rule", "TINY", "number", "numbers", "read_elements", "read_nodes"}
-"""Names that still mean two things: none is to be added."""
 
 MOST_TUNED = 25
 """Numbers in the solvers other than these: each is to be chosen, defended and understood."""
@@ -127,6 +124,6 @@ def test_a_public_name_is_defined_in_one_file_only():
     homes = defaultdict(list)
     for name, tree in TREES.items():
         for defined in set(_top_level_names(tree)):
-            if not defined.startswith("_") and defined not in EVERY_FILE_OF_ITS_KIND | TWICE:
+            if not defined.startswith("_") and defined not in EVERY_FILE_OF_ITS_KIND:
                 homes[defined].append(name)
     assert {defined: files for defined, files in homes.items() if len(files) > 1} == {}

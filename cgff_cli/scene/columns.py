@@ -16,7 +16,7 @@ from cgff_cli.values import LONGEST, Rule, as_number
 _NUMBER_CHARACTERS = b"0123456789+-.eE"
 
 
-class Column:
+class CellColumn:
     """A column of a scene, read as numbers, as names or as ends of elements.
 
     where  : leads from a row to its value

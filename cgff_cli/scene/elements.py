@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cgff_cli.scene import fields
-from cgff_cli.scene.columns import Column
-from cgff_cli.scene.fields import HUGE, TINY, found
+from cgff_cli.scene.columns import CellColumn
+from cgff_cli.scene.fields import HUGE, LEAST_SIZE, found
 from cgff_cli.scene.findings import Findings, Where, quoted
 from cgff_cli.scene.keys import check_keys
 from cgff_cli.scene.nodes import Nodes
@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 
 GROUP_KEYS = ("kind", "EA", "rest_length", "pairs")
 _PAIRS = "a list of node pairs such as [[a, b], [b, c]]"
-_POSITIVE = Rule(positive=True, smallest=TINY, largest=HUGE)
+_POSITIVE = Rule(positive=True, smallest=LEAST_SIZE, largest=HUGE)
 
 
 def rules(law: str | None) -> dict[str, Rule]:
     """Return what EA and rest length may be; law `hooke` divides by the rest length."""
-    length = _POSITIVE if law == "hooke" else Rule(least=0.0, smallest=TINY, largest=HUGE)
+    length = _POSITIVE if law == "hooke" else Rule(least=0.0, smallest=LEAST_SIZE, largest=HUGE)
     return {"EA": _POSITIVE, "rest_length": length}
 
 
@@ -44,7 +44,7 @@ def read_elements(
         message = f"{outside[0]} is a key of a group: indent it below the name of its group"
         findings.add_key(("elements", outside[0]), message)
     keys = list(values)
-    Column(findings, keys, lambda row: ("elements", keys[row]), at_key=True).names()
+    CellColumn(findings, keys, lambda row: ("elements", keys[row]), at_key=True).names()
     groups = [
         _group(findings, ("elements", key), group, nodes, law)
         for key, group in values.items()
@@ -82,9 +82,9 @@ def _column(
 ) -> np.ndarray | None:
     """Return one number per pair, from one number or a list."""
     if not isinstance(value, list):
-        number = Column(findings, [value], lambda _: where).numbers(rule)
+        number = CellColumn(findings, [value], lambda _: where).numbers(rule)
         return None if number is None or count is None else np.full(count, number)
-    numbers = Column(findings, value, lambda i: (*where, i)).numbers(rule)
+    numbers = CellColumn(findings, value, lambda i: (*where, i)).numbers(rule)
     if count is not None and len(value) != count:
         message = f"must be one number or a list of {count}, one per pair, got {found(value)}"
         findings.add(where, message, alike=(where[:-1], len(value)))
@@ -110,7 +110,7 @@ def _pairs(
         findings.add((*where, i), f"must be two node names, got {found(value[i])}", alike=alike)
     good: Sequence[int] = [i for i in range(len(value)) if i not in odd] if odd else range(len(value))
     ends = list(chain.from_iterable(value[i] for i in good) if odd else chain.from_iterable(value))
-    rows = _joined(Column(findings, ends, lambda k: (*where, good[k // 2], k % 2)), nodes)
+    rows = _joined(CellColumn(findings, ends, lambda k: (*where, good[k // 2], k % 2)), nodes)
     return len(value), None if odd else rows
 
 
@@ -120,7 +120,7 @@ def groups_of_table(table: "Table", nodes: Nodes | None, law: str | None) -> lis
     ends = [""] * (2 * table.count)
     for i, side in enumerate(sides):
         ends[i::2] = table.column(side).values
-    cells = Column(table.findings, ends, lambda k: (k // 2, sides[k % 2]), cells=True)
+    cells = CellColumn(table.findings, ends, lambda k: (k // 2, sides[k % 2]), cells=True)
     pairs = _joined(cells, nodes)
     columns = [table.column(key).numbers(rule) for key, rule in rules(law).items()]
     groups, kinds = table.column("group"), table.column("kind")
@@ -130,7 +130,7 @@ def groups_of_table(table: "Table", nodes: Nodes | None, law: str | None) -> lis
     return _split(groups.values, kinds.values, *good) if len(good) == 3 and table.findings.none else None
 
 
-def _check_kinds(groups: Sequence[str], kinds: Column) -> None:
+def _check_kinds(groups: Sequence[str], kinds: CellColumn) -> None:
     """Record every kind of a table that is none, or another than that of its group above."""
     uses = set(zip(groups, kinds.values, strict=True))
     if len(uses) == len({group for group, _ in uses}) and {kind for _, kind in uses} <= set(KINDS):
@@ -158,7 +158,7 @@ def _split(
     ]
 
 
-def _joined(ends: Column, nodes: Nodes | None) -> np.ndarray | None:
+def _joined(ends: CellColumn, nodes: Nodes | None) -> np.ndarray | None:
     """Return the (m, 2) node rows of start, end, start, end; None where one is none or joined to itself."""
     rows = nodes.look_up(ends.values) if nodes else None
     names = [] if rows is not None else list(ends.names())

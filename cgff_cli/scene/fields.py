@@ -11,7 +11,7 @@ from cgff_cli.scene.findings import Findings, Where, quoted
 from cgff_cli.values import LONGEST, Rule, as_number
 
 HUGE = 1e30
-TINY = 1e-30
+LEAST_SIZE = 1e-30
 """Limits of size: under law `hooke` the squared gradient of eq. (10) goes like (EA / l0)^4 l^2, a product
 of ten quantities of the scene, and must stay inside the range of doubles, 1e308."""
 

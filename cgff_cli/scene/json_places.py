@@ -34,7 +34,7 @@ class Places:
     def __init__(self, text: str):
         self.text = text
         self._root = len(text) - len(text.lstrip())
-        self._members: dict[int, Members] = {}
+        self._members: dict[int, MembersInText] = {}
         self._seen = (0, 1, 0)
 
     def find(self, value: Any, where: Where) -> tuple[int, int]:
@@ -48,12 +48,12 @@ class Places:
             value = value[step]
         return key, at
 
-    def members(self, value: Any, at: int) -> "Members":
+    def members(self, value: Any, at: int) -> "MembersInText":
         """Return the places of the members of a mapping or list that begins at an offset."""
         if isinstance(value, list) and len(value) < _FEW:
-            return Members(self.text, at, value)
+            return MembersInText(self.text, at, value)
         if at not in self._members:
-            self._members[at] = Members(self.text, at, value)
+            self._members[at] = MembersInText(self.text, at, value)
         return self._members[at]
 
     def word(self, at: int) -> Plain:
@@ -70,7 +70,7 @@ class Places:
         return line, offset - begin + 1
 
 
-class Members:
+class MembersInText:
     """Where the keys and values of a mapping or list stand, found as far as they are asked for."""
 
     def __init__(self, text: str, at: int, value: Any):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cgff_cli.scene import fields
-from cgff_cli.scene.columns import Column
+from cgff_cli.scene.columns import CellColumn
 from cgff_cli.scene.fields import HUGE, found
 from cgff_cli.scene.findings import Findings, Where, first_few, quoted
 from cgff_cli.scene.keys import lost
@@ -31,7 +31,7 @@ class Nodes:
     lost        : how many names could not be read
     """
 
-    def __init__(self, names: Column, coordinates: np.ndarray | None, dimension: int | None, lost: int):
+    def __init__(self, names: CellColumn, coordinates: np.ndarray | None, dimension: int | None, lost: int):
         self.rows: dict[str, int] = dict(zip(map(str, names.values), range(len(names.values)), strict=False))
         self.coordinates = coordinates
         self.dimension = dimension
@@ -51,12 +51,12 @@ class Nodes:
             for report in reports:
                 report(f"node {quoted(name)} is not defined{hint}", f"node {name}")
 
-    def rows_of(self, column: Column) -> np.ndarray | None:
+    def rows_of(self, column: CellColumn) -> np.ndarray | None:
         """Return the rows of the nodes that a column names; None where one is no node."""
         rows = self.look_up(column.values)
         return self.rows_named(column, column.names()) if rows is None else rows
 
-    def rows_named(self, column: Column, names: Sequence[str | None]) -> np.ndarray | None:
+    def rows_named(self, column: CellColumn, names: Sequence[str | None]) -> np.ndarray | None:
         """Return the rows of names in a column; each that is no node is kept until all are known."""
         for row, name in enumerate(names):
             if name is not None and name not in self.rows:
@@ -81,7 +81,7 @@ def read_nodes(findings: Findings, value: object) -> Nodes | None:
         findings.add(("nodes",), "must hold at least two nodes, got none", at_key=True)
         return None
     keys = list(values)
-    names = Column(findings, keys, lambda row: ("nodes", keys[row]), at_key=True)
+    names = CellColumn(findings, keys, lambda row: ("nodes", keys[row]), at_key=True)
     nameless = names.names().count(None)
     dimension = _dimension(values)
     coordinates = vectors(findings, ("nodes",), values, dimension)
@@ -102,7 +102,7 @@ def nodes_of_table(table: "Table") -> Nodes:
     return Nodes(names, coordinates, len(axes), len(table.ragged) + twice + list(own.values()).count(None))
 
 
-def _told_twice(table: "Table", names: Column) -> None:
+def _told_twice(table: "Table", names: CellColumn) -> None:
     """Record every name of a table that stands there again."""
     first: dict[str, int] = {}
     for row, name in enumerate(names.values):
@@ -129,7 +129,7 @@ def vectors(
             _check_odd(findings, (*where, key), values[key], dimension)
         values = {key: value for (key, value), fit in zip(values.items(), fits, strict=True) if fit}
     keys, flat = list(values), list(chain.from_iterable(values.values()))
-    numbers = Column(findings, flat, lambda i: (*where, keys[i // d], i % d)).numbers(ANY_SIZE)
+    numbers = CellColumn(findings, flat, lambda i: (*where, keys[i // d], i % d)).numbers(ANY_SIZE)
     return numbers.reshape(-1, d) if numbers is not None and all(fits) else None
 
 
@@ -139,7 +139,7 @@ def _check_odd(findings: Findings, where: Where, value: object, dimension: int |
     if not isinstance(value, list):
         findings.add(where, f"must be a list of {wanted} numbers, got {found(value)}", alike=where[:-1])
         return
-    numbers = Column(findings, value, lambda i: (*where, i)).numbers(ANY_SIZE)
+    numbers = CellColumn(findings, value, lambda i: (*where, i)).numbers(ANY_SIZE)
     one_text = len(value) == 1 and numbers is None  # meant to be several numbers, such as [1 0 0]
     planar_or_not = len(value) in (2, 3)
     if one_text or (planar_or_not and dimension is None):

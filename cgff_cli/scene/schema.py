@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 from cgff_cli.errors import OptionError
 from cgff_cli.options import OPTIONS, checked
 from cgff_cli.scene import elements, fields, nodes, physics
-from cgff_cli.scene.columns import Column
+from cgff_cli.scene.columns import CellColumn
 from cgff_cli.scene.fields import found, is_absent
 from cgff_cli.scene.findings import Findings, Where, quoted
 from cgff_cli.scene.indents import well_indented
@@ -69,7 +69,7 @@ def _name(findings: Findings, value: object, path: str) -> str:
     if is_absent(value):
         return os.path.splitext(os.path.basename(path))[0].strip("<>") or "scene"
     text = value.rstrip("\n") if type(value) is str else value
-    return Column(findings, [text], lambda _: ("name",)).names()[0] or ""
+    return CellColumn(findings, [text], lambda _: ("name",)).names()[0] or ""
 
 
 def _law(findings: Findings, values: dict[str, Any]) -> str | None:
@@ -105,7 +105,7 @@ def _optional(findings: Findings, where: Where, value: object, content: str) -> 
 def _rows(findings: Findings, block: str, values: dict[str, Any], points: Nodes | None) -> list[int] | None:
     """Return the rows of the nodes that are the keys of a block; None where one is no node, or was lost."""
     keys = list(values)
-    column = Column(findings, keys, lambda row: (block, keys[row]), at_key=True)
+    column = CellColumn(findings, keys, lambda row: (block, keys[row]), at_key=True)
     rows = points.rows_of(column) if points else None
     return None if rows is None or lost(values) else rows.tolist()
 

@@ -10,12 +10,12 @@ from functools import cached_property
 from itertools import accumulate
 
 from cgff_cli.errors import SceneError
-from cgff_cli.scene.columns import Column
+from cgff_cli.scene.columns import CellColumn
 from cgff_cli.scene.findings import NOWHERE, Findings, Mark, Where, quoted
 from cgff_cli.scene.keys import key_faults
 from cgff_cli.scene.text import read_text, reason
 
-COLUMNS = {
+HEADERS = {
     "nodes": ("name", "x", "y", "z"),
     "elements": ("start", "end", "group", "kind", "EA", "rest_length"),
 }
@@ -76,13 +76,13 @@ class Table:
         """Record a problem of one cell, without the name of its column; row -1 is the header."""
         self.findings.add_key((row, column), message, alike)
 
-    def column(self, name: str) -> Column:
+    def column(self, name: str) -> CellColumn:
         """Return a column of cells without blanks around them."""
         index = self.header.index(name)
         cells = self.cells[index :: len(self.header)]
         if self._blanks:
             cells = list(map(str.strip, cells))
-        return Column(self.findings, cells, lambda row: (row, name), cells=True)
+        return CellColumn(self.findings, cells, lambda row: (row, name), cells=True)
 
     @cached_property
     def _blanks(self) -> bool:
@@ -124,7 +124,7 @@ def open_table(findings: Findings, block: str, file: str, base: str) -> Table | 
         return None
     table = Table(text)
     findings.of_file(path, table.place, table.findings)
-    if not table.findings.none or not _has_header(table, COLUMNS[block]):
+    if not table.findings.none or not _has_header(table, HEADERS[block]):
         return None
     for row, count in table.ragged.items():
         message = f"this row has {count} cells, the header has {len(table.header)}"
