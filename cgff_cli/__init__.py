@@ -19,6 +19,7 @@ _HOME = {
     "to_yaml": "cgff_cli.scene.write",
     "new": "cgff_cli.scene.new",
     "solve": "cgff_cli.pipeline",
+    "solve_many": "cgff_cli.many",
     "compare": "cgff_cli.study.compare",
     "shipped": "cgff_cli.scene.shipped",
     "Scene": "cgff_cli.scene.scene",

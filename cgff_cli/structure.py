@@ -50,9 +50,14 @@ def from_scene(scene: Scene) -> Structure:
         coordinates=np.array(scene.coordinates, dtype=float),
         start=np.ascontiguousarray(pairs[0]),
         end=np.ascontiguousarray(pairs[1]),
-        stiffness=EA if scene.law == "paper" else EA / rest_lengths,
+        stiffness=stiffness(scene.law, EA, rest_lengths),
         rest_lengths=rest_lengths,
         tension_only=cables,
         free=free,
         loads=loads,
     )
+
+
+def stiffness(law: str, EA: np.ndarray, rest_lengths: np.ndarray) -> np.ndarray:
+    """Return k in force = k (l - l0): EA under law `paper`, eq. (2), EA / l0 under `hooke`."""
+    return EA if law == "paper" else EA / rest_lengths

@@ -20,6 +20,7 @@ ROOMS = (
     "cautions",
     "result",
     "pipeline",
+    "many",
     "rivals",
     "study",
     "report",

@@ -55,16 +55,22 @@ def analysed(scene: Scene, solution: Solution, options: SolveOptions) -> dict[st
     if len(state.mechanics.dofs) <= most:
         ranks = Ranks(state, tolerance)
         found |= ranks.conditions()
-    if converged and state.mechanics.is_small:
-        found |= stability(state, floor)
-    elif converged:
-        from cgff_cli.analysis.large import stability_of_large
-
-        found |= stability_of_large(state, options.factor, floor, most)
+    if converged:
+        found |= stability_of(solution, options, most)
     if converged and found["stable"] is not None and ranks is not None:
         found["super_stable"] = found["stable"] and _carries(state, floor) and ranks.is_super_stable()
     null = [name for name in (*OF_SHAPES, *OF_EQUILIBRIA) if found.get(name) is None]
     return _told(scene, solution, found, _reasons(null, found, converged, ranks is not None) if null else {})
+
+
+def stability_of(solution: Solution, options: SolveOptions, most: float = MOST) -> dict[str, Any]:
+    """Return stability, stable, smallest_stiffness of an equilibrium; most: free directions, see MOST."""
+    state, floor = solution.state, solution.balance.floor
+    if state.mechanics.is_small:
+        return stability(state, floor)
+    from cgff_cli.analysis.large import stability_of_large
+
+    return stability_of_large(state, options.factor, floor, most)
 
 
 def unanalysed(scene: Scene, solution: Solution, why: str) -> dict[str, Any]:

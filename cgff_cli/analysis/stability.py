@@ -6,15 +6,9 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from cgff_cli.mechanics.signs import Spectrum
+from cgff_cli.mechanics.signs import MOST_REFINEMENTS, SETTLED, Spectrum
 from cgff_cli.mechanics.state import State
 from cgff_cli.solvers.stopping import VANISHED
-
-MOST_REFINEMENTS = 3
-
-SETTLED = 8.0
-"""Kantorovich: where K changes by at most L per length, a smallest stiffness s with s^2 > 8 L |eta| keeps
-its sign on the way to the exact equilibrium, with room to spare (2 would do)."""
 
 
 class Signs(Protocol):

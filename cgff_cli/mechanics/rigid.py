@@ -76,12 +76,12 @@ def _at_rest(held: np.ndarray) -> np.ndarray:
 def _rates(P: np.ndarray) -> np.ndarray:
     """Return (d n, r) rates at which rigid motions move P, (1 + d, n): a row of units, and vectors."""
     d, n = len(P) - 1, P.shape[1]
-    G = _generators(d)
+    G = generators(d)
     return (G.reshape(-1, d + 1) @ P).reshape(d, -1, n).swapaxes(1, 2).reshape(d * n, -1)
 
 
 @cache
-def _generators(d: int) -> np.ndarray:
+def generators(d: int) -> np.ndarray:
     """Return (d, r, 1 + d): by which share of P's rows each motion moves each axis."""
     planes = [(i, j) for i in range(d) for j in range(i + 1, d)]
     G = np.zeros((d, d + len(planes), 1 + d))

@@ -16,6 +16,13 @@ from cgff_cli.mechanics.state import State
 BLUR = 1e-14
 """Rounding error of an eigenvalue over the norm of its matrix and the root of its size, with some room."""
 
+MOST_REFINEMENTS = 3
+"""Newton steps that bring forces left over down to rounding before signs are told."""
+
+SETTLED = 8.0
+"""Kantorovich: where K changes by at most L per length, a smallest stiffness s with s^2 > 8 L |eta| keeps
+its sign on the way to the exact equilibrium, with room to spare (2 would do)."""
+
 
 def blurred(K: np.ndarray, state: State) -> float:
     """Return the size below which rounding leaves an eigenvalue of K no sign, were the forces in balance."""

@@ -8,7 +8,8 @@ from cgff_cli.scene.findings import Findings, first_few
 from cgff_cli.scene.scene import AXES, Group
 
 _SPARSE_FROM = 5000
-_ROUNDING = 1e-12
+ROUNDING = 1e-12
+"""Share of all loads on a part that may be left over when they balance."""
 _SHOWN = 3
 
 
@@ -71,7 +72,7 @@ def check_net_loads(
         gross = np.bincount(labels[rows], np.abs(forces[:, axis]), minlength=parts)
         held = np.zeros(parts, dtype=bool)
         held[[labels[row] for row, axes in supports.items() if AXES[axis] in axes]] = True
-        for part in np.flatnonzero(~held & (np.abs(net) > _ROUNDING * gross)):
+        for part in np.flatnonzero(~held & (np.abs(net) > ROUNDING * gross)):
             members = [names[row] for row in np.flatnonzero(labels == part)]
             findings.add_key(
                 ("loads",),

@@ -1,0 +1,148 @@
+"""One scene with many sets of numbers: together where a batch is sure of its answers, else in turn."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from cgff_cli.analysis.equilibrium import stability_of
+from cgff_cli.errors import OptionError
+from cgff_cli.mechanics.connectivity import DENSE_ENTRIES
+from cgff_cli.options import DEFAULTS, SolveOptions
+from cgff_cli.pipeline import METHODS
+from cgff_cli.scene.fields import HUGE, LEAST_SIZE
+from cgff_cli.scene.physics import ROUNDING, all_pairs, component_labels
+from cgff_cli.scene.scene import AXES, Scene
+from cgff_cli.solvers.many.loop import Loop, Solutions
+from cgff_cli.solvers.stopping import Verdict
+from cgff_cli.structure import Structure, from_scene, stiffness
+from cgff_cli.values import Rule
+
+SIZE_RULES = {
+    "> 0": Rule(positive=True, smallest=LEAST_SIZE, largest=HUGE),
+    ">= 0": Rule(least=0.0, smallest=LEAST_SIZE, largest=HUGE),
+    "": Rule(largest=HUGE),
+}
+
+SIZES = {
+    "> 0": "finite numbers from 1e-30 to 1e30",
+    ">= 0": "0 or finite numbers from 1e-30 to 1e30",
+    "": "finite numbers of at most 1e30 in size",
+}
+
+
+def solve_many(
+    scene: Scene | str,
+    *,
+    rest_lengths: object = None,
+    EA: object = None,
+    loads: object = None,
+    coordinates: object = None,
+    **changes: object,
+) -> Solutions:
+    """Form-find a scene, or the scene file at a path, once for each row of the arrays given.
+
+    rest_lengths and EA: (m, b), loads and coordinates, the start: (m, n, d), in the scene's own order and
+    units; the scene's own where not given. Other keywords are solve options, as in `solve`. Near an answer
+    each row gets the one that `solve` gives, from wild starts maybe another that is as sure; its bytes depend
+    on no other row. Raises OptionError for a bad array.
+    """
+    if not isinstance(scene, Scene):
+        from cgff_cli.scene.read import load
+
+        scene = load(scene)
+    options = DEFAULTS.merged({**scene.solver, **changes})
+    structure = from_scene(scene)
+    given = {"rest_lengths": rest_lengths, "EA": EA, "loads": loads, "coordinates": coordinates}
+    values = _values(scene, structure, {name: value for name, value in given.items() if value is not None})
+    m = len(values["loads"])
+    answers = Solutions(
+        coordinates=np.array(values["coordinates"]),
+        converged=np.ones(m, dtype=bool),
+        verdicts=np.full(m, Verdict.CONVERGED.value, dtype=object),
+        stability=np.full(m, None, dtype=object),
+        iterations=np.zeros(m, dtype=int),
+        residual_relative=np.zeros(m),
+        energy=np.zeros(m),
+        forces=np.zeros_like(values["stiffness"]),
+        alone=np.ones(m, dtype=bool),
+    )
+    if _suits(structure, options):
+        Loop(structure, values, options, answers).run()
+    if options.analysis == "never":
+        answers.stability[:] = None
+    for row in np.flatnonzero(answers.alone).tolist():
+        one = replace(structure, **{name: column[row] for name, column in values.items()})
+        _solve_alone(answers, row, one, options)
+    return answers
+
+
+def _suits(structure: Structure, options: SolveOptions) -> bool:
+    """Return whether the batch follows these options, and the structure is small."""
+    n, free = len(structure.free), int(structure.free.sum())
+    return (
+        len(structure.start) * n <= DENSE_ENTRIES
+        and free > 0
+        and (options.method, options.objective, options.cg_beta) == ("cgff", "energy", "FR")
+        and options.preconditioner in ("auto", "tangent")
+    )
+
+
+def _solve_alone(answers: Solutions, row: int, structure: Structure, options: SolveOptions) -> None:
+    """Fill in a row by form_find from its own start."""
+    solution = METHODS[options.method](structure, options, None)
+    if solution.verdict is Verdict.INTERRUPTED:
+        raise KeyboardInterrupt
+    answers.coordinates[row], answers.forces[row] = solution.coordinates, solution.forces
+    answers.converged[row], answers.verdicts[row] = solution.verdict.converged, solution.verdict.value
+    answers.residual_relative[row], answers.energy[row] = solution.relative, solution.energy
+    answers.iterations[row] = solution.iterations
+    if solution.verdict.converged and options.analysis != "never":
+        answers.stability[row] = stability_of(solution, options)["stability"]
+
+
+def _values(scene: Scene, s: Structure, given: dict[str, object]) -> dict[str, np.ndarray]:
+    """Return the numbers of all rows, the scene's own where none are given."""
+    EA = np.concatenate([group.EA for group in scene.groups])
+    own = {"rest_lengths": s.rest_lengths, "EA": EA, "loads": s.loads, "coordinates": s.coordinates}
+    lower = {"rest_lengths": "> 0" if scene.law == "hooke" else ">= 0", "EA": "> 0"}
+    arrays = {
+        name: _checked(name, value, own[name].shape, lower.get(name, "")) for name, value in given.items()
+    }
+    counts = {name: len(array) for name, array in arrays.items()}
+    if len(set(counts.values())) > 1:
+        told = ", ".join(f"{name} has {count}" for name, count in counts.items())
+        raise OptionError(f"all arrays must have as many rows as there are structures; {told}")
+    m = next(iter(counts.values()), 1)
+    full = {name: np.broadcast_to(arrays.get(name, value), (m, *value.shape)) for name, value in own.items()}
+    if "loads" in arrays:
+        _check_net_loads(scene, s.free, full["loads"])
+    return full | {"stiffness": stiffness(scene.law, full.pop("EA"), full["rest_lengths"])}
+
+
+def _checked(name: str, value: object, shape: tuple[int, ...], lower: str) -> np.ndarray:
+    """Return an array of numbers, a row of the given shape for each structure, or raise OptionError."""
+    try:
+        array = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        raise OptionError(f"{name} must be an array of numbers") from None
+    if array.ndim != 1 + len(shape) or array.shape[1:] != shape:
+        raise OptionError(
+            f"{name} must have the shape ({', '.join(('m', *map(str, shape)))}), a row for each of m "
+            f"structures in the scene's own order, got {array.shape}"
+        )
+    if not np.all(SIZE_RULES[lower].fits(array)):
+        raise OptionError(f"{name} must be {SIZES[lower]}")
+    return array
+
+
+def _check_net_loads(scene: Scene, free: np.ndarray, loads: np.ndarray) -> None:
+    """Raise OptionError for a row whose loads, (m, n, d), add up along an axis that a part is free along."""
+    labels = component_labels(len(free), all_pairs(scene.groups))
+    parts = (labels == np.arange(labels.max() + 1)[:, None]).astype(float)
+    net, gross = np.abs(parts @ loads), parts @ np.abs(loads)
+    for row, part, axis in np.argwhere((parts @ ~free == 0.0) & (net > ROUNDING * gross))[:1].tolist():
+        node = scene.node_names[parts[part].argmax()]
+        raise OptionError(
+            f"loads of row {row} (the first is row 0): no equilibrium exists, as they add up along "
+            f"{AXES[axis]}, and no support holds the part with node {node} there"
+        )

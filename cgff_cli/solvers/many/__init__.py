@@ -1,0 +1,1 @@
+"""Many structures of one topology at once."""
