@@ -140,9 +140,9 @@ def _check_net_loads(scene: Scene, free: np.ndarray, loads: np.ndarray) -> None:
     labels = component_labels(len(free), all_pairs(scene.groups))
     parts = (labels == np.arange(labels.max() + 1)[:, None]).astype(float)
     net, gross = np.abs(parts @ loads), parts @ np.abs(loads)
+    names = [scene.node_names[part.argmax()] for part in parts]
     for row, part, axis in np.argwhere((parts @ ~free == 0.0) & (net > ROUNDING * gross))[:1].tolist():
-        node = scene.node_names[parts[part].argmax()]
         raise OptionError(
             f"loads of row {row} (the first is row 0): no equilibrium exists, as they add up along "
-            f"{AXES[axis]}, and no support holds the part with node {node} there"
+            f"{AXES[axis]}, and no support holds the part with node {names[part]} there"
         )

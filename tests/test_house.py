@@ -12,14 +12,14 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 890,
+    "top": 1050,
     "analysis": 610,
     "cli": 1780,
     "mechanics": 920,
     "report": 1330,
     "rivals": 720,
     "scene": 3410,
-    "solvers": 2030,
+    "solvers": 2390,
     "study": 1430,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""

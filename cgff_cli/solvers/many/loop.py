@@ -1,8 +1,8 @@
 """The loop of `descent` for many rows at once, each at its own pace and restarted at every step.
 
 In turn every row is evaluated at the end of its step. Where the step is a strong Wolfe one the row moves
-there and takes a new direction, elsewhere its line gets another trial. BatchRows that balance leave, others take
-their place. BatchRows that need more than this, or whose balance is no equilibrium that arithmetic is sure of,
+there and takes a new direction, elsewhere its line gets another trial. Rows that balance leave, others take
+their place. Rows that need more than this, or whose balance is no equilibrium that arithmetic is sure of,
 are left to `form_find`.
 """
 
@@ -15,7 +15,7 @@ from cgff_cli.mechanics import elements
 from cgff_cli.mechanics.elements import EPS
 from cgff_cli.options import SolveOptions
 from cgff_cli.solvers.line_search import ENOUGH_DECREASE, FLAT_ENOUGH_FOR_NEWTON, MOST_TRIALS, TENFOLD
-from cgff_cli.solvers.many.rows import BatchRows, Topology, dot, flat, joined, norms, shifted, solved
+from cgff_cli.solvers.many.rows import Batch, Topology, dot, flat, norms, solved
 from cgff_cli.solvers.many.signs import OPEN, WORDS, references, signs
 from cgff_cli.solvers.preconditioners.base import FIRST_SHIFT, LONG_STEP, QUARTER
 from cgff_cli.structure import Structure
@@ -47,7 +47,9 @@ class Solutions:
 class Loop:
     """Solves what rows it can, and fills in their answers; all others stay `alone`.
 
-    values: (m, n, d) coordinates and loads, (m, b) stiffness and rest_lengths.
+    values: (m, n, d) coordinates and loads, (m, b) stiffness and rest_lengths. Columns of rows in work:
+    waited, best : (N,) evaluations since the residual's norm last halved, and that norm
+    low, high    : (N, 2) steps and slopes at the ends of the bracket of a line
     """
 
     def __init__(
@@ -68,24 +70,20 @@ class Loop:
                 if begun < m and 4 * room >= self.at_once:
                     parts.append(self._begun(begun, begun + room))
                     begun += room
-                rows = joined(parts)
+                columns = {key: np.concatenate([vars(part)[key] for part in parts]) for key in vars(rows)}
+                rows = Batch(**columns)
 
-    def _begun(self, first: int, last: int) -> BatchRows:
+    def _begun(self, first: int, last: int) -> Batch:
         """Return rows at their starts, with their first directions."""
         number = np.arange(first, min(last, len(self.answers.alone)))
         names = ("coordinates", "stiffness", "rest_lengths", "loads")
-        r = self.topology.framed(*(self.values[name][number] for name in names))
-        s = self.topology.at(r, np.zeros_like(r.F))
+        r = self.topology.begun(*(self.values[name][number] for name in names))
         r.number, r.iteration, r.waited = number, np.zeros_like(number), np.zeros_like(number)
-        r.best, r.mu = np.full(len(number), np.inf), np.full(len(number), FIRST_SHIFT)
-        r.at_start = (r.k * s.l).max(1)
-        return self._set_out(r, s)
+        r.mu, r.best = np.full(len(number), FIRST_SHIFT), np.full(len(number), np.inf)
+        return self._set_out(r, self.topology.at(r, np.zeros_like(r.F)))
 
-    def _step(self, r: BatchRows) -> list[BatchRows]:
-        """Evaluate all rows at the ends of their steps; return those that search on, and that set out again.
-
-        waited: (N,) evaluations since the residual halved.
-        """
+    def _step(self, r: Batch) -> list[Batch]:
+        """Evaluate rows at the ends of their steps; return those that search on, and that set out again."""
         r.waited += 1
         step = r.alpha[:, None] * r.d
         s = self.topology.at(r, step)
@@ -101,7 +99,7 @@ class Loop:
         r.iteration += 1
         return [search, self._set_out(r, s)]
 
-    def _set_out(self, r: BatchRows, s: BatchRows) -> BatchRows:
+    def _set_out(self, r: Batch, s: Batch) -> Batch:
         """Return the rows that go on from states s, with full steps along -M^-1 g.
 
         Where K and its shift have no Cholesky factor, M is without negative force densities.
@@ -109,19 +107,16 @@ class Loop:
         r.X, r.e, r.t, r.norm = s.X, s.e, s.t, s.norm
         goes = self._goes_on(r, s)
         r, s = r.take(goes), s.take(goes)
-        shift, q = r.mu[:, None] * r.S, np.maximum(s.q, 0.0)
-        z, refused = solved(shifted(self.topology.stiffness(r, s, s.q, s.taut), shift), s.g)
-        if refused.any():
-            a, b = r.take(refused), s.take(refused)
-            M = shifted(self.topology.stiffness(a, b, q[refused], b.taut), shift[refused])
-            again, failed = solved(M, b.g)
-            z[refused] = np.where(failed[:, None], np.nan, again)
+        z, refused = solved(self.topology.stiffness(r, s, s.q, s.taut, r.mu), s.g)
+        a, b = r.take(refused), s.take(refused)
+        again, failed = solved(self.topology.stiffness(a, b, np.maximum(b.q, 0.0), b.taut, a.mu), b.g)
+        z[refused] = np.where(failed[:, None], np.nan, again)
         r.d, r.slope, r.alpha = -z, -dot(s.g, z), np.ones(len(z))
         r.low = np.stack((np.zeros(len(z)), r.slope), axis=1)
         r.high = np.full((len(z), 2), np.inf)
         return r.take(r.slope < 0.0)
 
-    def _goes_on(self, r: BatchRows, s: BatchRows) -> np.ndarray:
+    def _goes_on(self, r: Batch, s: Batch) -> np.ndarray:
         """Return which rows go on, (N,) bool, and note those that balance.
 
         Of these go on, as long as that helps, those that are to be nearer before their signs are sure.
@@ -129,41 +124,34 @@ class Loop:
         halved = r.norm <= 0.5 * r.best
         r.best, r.waited = np.where(halved, r.norm, r.best), np.where(halved, 0, r.waited)
         residual, tolerance = np.abs(s.g).max(1), self.options.tolerance
-        goes = r.waited < MOST_TRIALS
+        goes = (r.waited < MOST_TRIALS) & (r.iteration < self.options.max_iterations)
         near = np.flatnonzero(residual <= tolerance * np.maximum((r.k * s.l).max(1), r.load))
         reference, floor = references(self.topology, r.take(near), s.take(near))
         relative = residual[near] / reference
         near, relative, floor = (column[relative <= tolerance] for column in (near, relative, floor))
         found = signs(self.topology, r.take(near), s.take(near), floor)
-        goes[near] = (found == OPEN) & (s.norm[near] > floor) & halved[near]
         sure = found != OPEN
+        goes[near] &= ~sure & (s.norm[near] > floor) & halved[near]
         self._note(r.take(near[sure]), s.take(near[sure]), relative[sure], found[sure])
-        return goes & (r.iteration < self.options.max_iterations)
+        return goes
 
-    def _note(self, r: BatchRows, s: BatchRows, relative: np.ndarray, found: np.ndarray) -> None:
+    def _note(self, r: Batch, s: Batch, relative: np.ndarray, found: np.ndarray) -> None:
         """Write down the answers of rows, in the user's units."""
-        number, unit, to = r.number, r.length * r.stiffness, self.answers
-        X = s.X.swapaxes(1, 2) * r.length[:, None, None] + r.centre[:, None]
+        number, to, X = r.number, self.answers, s.X.swapaxes(1, 2) + r.centre[:, None]
         to.coordinates[number] = np.where(self.free, X, self.values["coordinates"][number])
-        to.forces[number] = s.t * unit[:, None]
         work = dot(flat(self.values["loads"][number]), flat(X))
-        to.energy[number] = elements.energy(s.t, s.e) * (unit * r.length) - work
+        to.forces[number], to.energy[number] = s.t, elements.energy(s.t, s.e) - work
         to.residual_relative[number], to.iterations[number] = relative, r.iteration
         to.stability[number], to.alone[number] = WORDS[found], False
 
 
-def _searched(r: BatchRows, slope: np.ndarray, descends: np.ndarray) -> BatchRows:
-    """Return rows with the next trials of their lines: by secants, or halves, as in `line_search`.
-
-    low, high: (N, 2) steps and slopes at the ends of a bracket.
-    """
+def _searched(r: Batch, slope: np.ndarray, descends: np.ndarray) -> Batch:
+    """Return rows with the next trials of their lines: by secants, or halves, as in `line_search`."""
     trial = np.stack((r.alpha, slope), axis=1)
     is_low = (descends & (slope < 0.0))[:, None]
     r.low, r.high = np.where(is_low, trial, r.low), np.where(is_low, r.high, trial)
     width, bend = (r.high - r.low).T
-    share = -r.low[:, 1] / bend
-    share = np.where((share >= 1.0 / TENFOLD) & (share <= 1.0 - 1.0 / TENFOLD), share, 0.5)
-    secant = np.where(slope > r.slope, r.alpha * r.slope / (r.slope - slope), np.inf)
-    beyond = np.minimum(np.maximum(secant, r.alpha), TENFOLD * r.alpha)
-    r.alpha = np.where(np.isinf(r.high[:, 0]), beyond, r.low[:, 0] + width * share)
+    share = np.fmin(np.fmax(-r.low[:, 1] / bend, 1.0 / TENFOLD), 1.0 - 1.0 / TENFOLD)
+    beyond = r.alpha / np.maximum(1.0 - slope / r.slope, 1.0 / TENFOLD)
+    r.alpha = np.where(np.isinf(width), beyond, r.low[:, 0] + width * share)
     return r

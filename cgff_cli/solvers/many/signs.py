@@ -8,14 +8,14 @@ from scipy.linalg.lapack import dpotrf
 from cgff_cli.mechanics.elements import EPS
 from cgff_cli.mechanics.rigid import FLAT
 from cgff_cli.mechanics.signs import BLUR, SETTLED
-from cgff_cli.solvers.many.rows import BatchRows, Topology, flat, norms, rigid_motions, shifted
+from cgff_cli.solvers.many.rows import Batch, Topology, flat, norms, rigid_motions
 from cgff_cli.solvers.stopping import VANISHED
 
 OPEN, NEUTRAL, STABLE = range(3)
 WORDS = np.array([None, "neutral", "stable"], dtype=object)
 
 
-def references(topology: Topology, r: BatchRows, s: BatchRows) -> tuple[np.ndarray, np.ndarray]:
+def references(topology: Topology, r: Batch, s: Batch) -> tuple[np.ndarray, np.ndarray]:
     """Return reference and floor, (N,) each, as `Gauge.measure` does."""
     floor = ((r.k * s.rounding)[:, None] @ np.abs(topology.rho)).max((1, 2))
     reference = np.maximum(np.abs(s.t).max(1), r.load)
@@ -24,16 +24,18 @@ def references(topology: Topology, r: BatchRows, s: BatchRows) -> tuple[np.ndarr
     return np.where(vanished, whole, reference), np.where(vanished, np.maximum(floor, EPS * whole), floor)
 
 
-def signs(topology: Topology, r: BatchRows, s: BatchRows, floor: np.ndarray) -> np.ndarray:
+def signs(topology: Topology, r: Batch, s: Batch, floor: np.ndarray) -> np.ndarray:
     """Return (N,) OPEN, NEUTRAL or STABLE for balanced states; floor: (N,) rounding errors of residuals.
 
     Stable is what keeps a Cholesky factor less all doubt. Of the rest, what is balanced to rounding, and
     where no rigid motion is idle but those of a free body, has the sign of its softest stiffness.
     """
     K, blurred, doubt, unsettled = _stiffness_and_doubts(topology, r, s, floor)
-    M = shifted(K.copy(), -np.maximum(doubt, unsettled)[:, None])
-    found = np.array([OPEN if dpotrf(a, overwrite_a=1)[1] else STABLE for a in M.swapaxes(1, 2)], dtype=int)
-    left = np.flatnonzero((found == OPEN) & (s.norm <= floor))
+    M = K - np.maximum(doubt, unsettled)[:, None, None] * np.eye(K.shape[1])
+    is_finite = np.isfinite(norms(flat(M)))  # dpotrf does not say
+    factored = [dpotrf(a, overwrite_a=1)[1] == 0 for a in M.swapaxes(1, 2)]
+    found = np.where(is_finite & np.array(factored, dtype=bool), STABLE, OPEN)
+    left = np.flatnonzero((found == OPEN) & (s.norm <= floor) & is_finite)
     left = left[_rests(topology, r.load[left], s.X[left])]
     softest = np.linalg.eigvalsh(K[left])[:, 0]
     word = np.where(softest > doubt[left], STABLE, NEUTRAL)
@@ -42,7 +44,7 @@ def signs(topology: Topology, r: BatchRows, s: BatchRows, floor: np.ndarray) -> 
 
 
 def _stiffness_and_doubts(
-    topology: Topology, r: BatchRows, s: BatchRows, floor: np.ndarray
+    topology: Topology, r: Batch, s: Batch, floor: np.ndarray
 ) -> tuple[np.ndarray, ...]:
     """Return K of what resists, stiff along motions of a free body; what rounding blurs, and has no sign.
 
@@ -51,13 +53,13 @@ def _stiffness_and_doubts(
     """
     sure, slight = s.taut & (r.l0 > 0.0), VANISHED * np.maximum(floor, s.norm)
     may_slacken = (topology.least == 0.0) & sure & (s.t <= slight[:, None])
-    K = topology.stiffness(r, s, s.q, s.taut & ~may_slacken)
-    reach, shortest = np.abs(s.X).max((1, 2))[:, None], np.where(sure, s.l, np.inf).min(1)
-    own = r.k * sure * (1.0 + (reach + np.abs(s.e)) / s.l)
-    blurred = BLUR * sqrt(K.shape[1]) * norms(flat(K)) + 4.0 * EPS * own.max(1)
+    K = topology.stiffness(r, s, s.q, s.taut & ~may_slacken, np.zeros_like(floor))
     if not len(topology.held):
         R = rigid_motions(s.X)
         K += ((r.load == 0.0) * r.S.mean(1) / R.shape[2])[:, None, None] * R.swapaxes(1, 2) @ R
+    reach, shortest = np.abs(s.X).max((1, 2))[:, None], np.where(sure, s.l, np.inf).min(1)
+    own = r.k * sure * (1.0 + (reach + np.abs(s.e)) / s.l)
+    blurred = BLUR * sqrt(K.shape[1]) * norms(flat(K)) + 4.0 * EPS * own.max(1)
     unsettled = np.sqrt(SETTLED * r.S.max(1) / shortest * s.norm)
     return K, blurred, blurred + 4.0 * s.norm / shortest, unsettled
 
