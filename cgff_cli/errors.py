@@ -34,3 +34,7 @@ class SceneError(CgffError):
     def __init__(self, problems: Sequence[Problem]):
         self.problems = tuple(sorted(problems))
         super().__init__("\n".join(str(problem) for problem in self.problems))
+
+    def __reduce__(self) -> tuple[type, tuple[Sequence[Problem]]]:
+        """Return what makes it anew where it comes out of another process."""
+        return type(self), (self.problems,)

@@ -1,6 +1,6 @@
 """Did you mean: the names most like one that does not exist."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 
 _POOL = 1000
 NAMED = 3  # more names that are equally near are no hint
@@ -25,10 +25,20 @@ def nearest(name: str, candidates: Iterable[str]) -> list[str]:
     return best
 
 
-def did_you_mean(name: str, candidates: Iterable[str]) -> str:
-    """Return "; did you mean 'x' or 'y'?", or nothing where no candidate is near, or too many are."""
+def did_you_mean(name: str, candidates: Collection[str], otherwise: str = "") -> str:
+    """Return "; did you mean 'x' or 'y'?", or nothing where no candidate is near, or too many are.
+
+    otherwise : what introduces a list of all there are, to be given in place of nothing, as "allowed:"
+    """
     near = nearest(name, candidates)
-    return f"; did you mean {either(list(map(repr, near)))}?" if 0 < len(near) <= NAMED else ""
+    if 0 < len(near) <= NAMED:
+        return f"; did you mean {either(list(map(repr, near)))}?"
+    return f"; {otherwise} {', '.join(candidates)}" if otherwise else ""
+
+
+def meant_or_all(name: str, candidates: Collection[str]) -> str:
+    """Return "; did you mean 'x'?", or all that is allowed where no candidate is near."""
+    return did_you_mean(name, candidates) or f"; allowed: {', '.join(candidates)}"
 
 
 def either(words: Sequence[str], joint: str = "or") -> str:

@@ -4,19 +4,26 @@ from dataclasses import replace
 
 import numpy as np
 
-from cgff_cli.analysis.equilibrium import SMALL, stability_of
+from cgff_cli.analysis.equilibrium import stability_of
 from cgff_cli.errors import OptionError
 from cgff_cli.mechanics.connectivity import DENSE_ENTRIES
 from cgff_cli.options import DEFAULTS, SolveOptions
 from cgff_cli.pipeline import METHODS
-from cgff_cli.scene.fields import sizes_fit
+from cgff_cli.scene.fields import HUGE, LEAST_SIZE
 from cgff_cli.scene.physics import ROUNDING, all_pairs, component_labels
 from cgff_cli.scene.scene import AXES, Scene
 from cgff_cli.solvers.many.loop import Loop, Solutions
 from cgff_cli.solvers.stopping import Verdict
 from cgff_cli.structure import Structure, from_scene, stiffness
+from cgff_cli.values import Rule
 
-ALLOWED = {
+SIZE_RULES = {
+    "> 0": Rule(positive=True, smallest=LEAST_SIZE, largest=HUGE),
+    ">= 0": Rule(least=0.0, smallest=LEAST_SIZE, largest=HUGE),
+    "": Rule(largest=HUGE),
+}
+
+SIZES = {
     "> 0": "finite numbers from 1e-30 to 1e30",
     ">= 0": "0 or finite numbers from 1e-30 to 1e30",
     "": "finite numbers of at most 1e30 in size",
@@ -74,7 +81,7 @@ def _suits(structure: Structure, options: SolveOptions) -> bool:
     n, free = len(structure.free), int(structure.free.sum())
     return (
         len(structure.start) * n <= DENSE_ENTRIES
-        and 0 < free <= SMALL
+        and free > 0
         and (options.method, options.objective, options.cg_beta) == ("cgff", "energy", "FR")
         and options.preconditioner in ("auto", "tangent")
     )
@@ -89,7 +96,8 @@ def _solve_alone(answers: Solutions, row: int, structure: Structure, options: So
     answers.converged[row], answers.verdicts[row] = solution.verdict.converged, solution.verdict.value
     answers.residual_relative[row], answers.energy[row] = solution.relative, solution.energy
     answers.iterations[row] = solution.iterations
-    answers.stability[row] = stability_of(solution, options).get("stability")
+    if solution.verdict.converged and options.analysis != "never":
+        answers.stability[row] = stability_of(solution, options)["stability"]
 
 
 def _values(scene: Scene, s: Structure, given: dict[str, object]) -> dict[str, np.ndarray]:
@@ -122,8 +130,8 @@ def _checked(name: str, value: object, shape: tuple[int, ...], lower: str) -> np
             f"{name} must have the shape ({', '.join(('m', *map(str, shape)))}), a row for each of m "
             f"structures in the scene's own order, got {array.shape}"
         )
-    if not sizes_fit(array, lower):
-        raise OptionError(f"{name} must be {ALLOWED[lower]}")
+    if not np.all(SIZE_RULES[lower].fits(array)):
+        raise OptionError(f"{name} must be {SIZES[lower]}")
     return array
 
 

@@ -9,19 +9,25 @@ from dataclasses import Field, asdict, dataclass, field, fields, replace
 from typing import Any
 
 from cgff_cli.errors import OptionError
-from cgff_cli.hints import did_you_mean
+from cgff_cli.hints import meant_or_all
+from cgff_cli.values import Rule
+
+
+def _option(default: object, rule: Rule) -> Any:
+    spread = {**rule._asdict(), "rule": rule, "type": rule.kind, "allowed": rule.choices}
+    return field(default=default, metadata=spread)
 
 
 def _choice(default: str, allowed: tuple[str, ...], text: str) -> Any:
-    return field(default=default, metadata={"type": str, "allowed": allowed, "help": text})
+    return _option(default, Rule(text, str, choices=allowed))
 
 
 def _number(default: float, below: float, text: str) -> Any:
-    return field(default=default, metadata={"type": float, "below": below, "help": text})
+    return _option(default, Rule(text, positive=True, below=below))
 
 
 def _whole(default: int, text: str) -> Any:
-    return field(default=default, metadata={"type": int, "help": text})
+    return _option(default, Rule(text, int, least=0, largest=2**53))
 
 
 @dataclass(frozen=True)
@@ -75,38 +81,5 @@ OPTIONS: dict[str, Field[Any]] = {option.name: option for option in fields(Solve
 def checked(name: str, value: object) -> Any:
     """Return one option's value in its own type, or raise OptionError saying what is allowed."""
     if name not in OPTIONS:
-        hint = did_you_mean(name, OPTIONS) or f"; allowed: {', '.join(OPTIONS)}"
-        raise OptionError(f"unknown solve option {name!r}{hint}")
-    rules = OPTIONS[name].metadata
-    if rules["type"] is str:
-        return _checked_choice(name, value, rules["allowed"])
-    if rules["type"] is int:
-        return _checked_whole(name, value)
-    return _checked_number(name, value, rules["below"])
-
-
-def _checked_choice(name: str, value: object, allowed: tuple[str, ...]) -> str:
-    if value not in allowed:
-        raise OptionError(f"{name} must be one of {', '.join(allowed)}, got {value!r}")
-    return str(value)
-
-
-def _checked_whole(name: str, value: object) -> int:
-    number = _as_float(value)
-    if number is None or number != number or not 0 <= number <= 2**53 or number != int(number):
-        raise OptionError(f"{name} must be a whole number >= 0, got {value!r}")
-    return int(number)
-
-
-def _checked_number(name: str, value: object, below: float) -> float:
-    number = _as_float(value)
-    if number is None or not 0.0 < number < below:
-        limit = "> 0" if below == float("inf") else f"between 0 and {below:g}"
-        raise OptionError(f"{name} must be a number {limit}, got {value!r}")
-    return number
-
-
-def _as_float(value: object) -> float | None:
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return None
-    return float(value)
+        raise OptionError(f"unknown solve option {name!r}{meant_or_all(name, OPTIONS)}")
+    return OPTIONS[name].metadata["rule"].checked(name, value)

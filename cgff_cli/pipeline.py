@@ -4,9 +4,9 @@ from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
-from cgff_cli.analysis.equilibrium import analysed
+from cgff_cli.analysis.equilibrium import INTERRUPTED, analysed, unanalysed
 from cgff_cli.options import DEFAULTS, SolveOptions
-from cgff_cli.report.result import Result
+from cgff_cli.result import Result
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers import cgff, table1
 from cgff_cli.solvers.solution import Observer, Solution
@@ -47,4 +47,4 @@ def _analysed(scene: Scene, solution: Solution, options: SolveOptions) -> tuple[
     try:
         return analysed(scene, solution, options), False
     except KeyboardInterrupt:
-        return analysed(scene, solution, options.merged({"analysis": "never"})), True
+        return unanalysed(scene, solution, INTERRUPTED), True

@@ -26,6 +26,11 @@ class Structure:
     free: np.ndarray
     loads: np.ndarray
 
+    def at_nodes(self, values: np.ndarray) -> np.ndarray:
+        """Return (n,) sums over each node's elements of (b,) values."""
+        n = len(self.free)
+        return np.bincount(self.start, values, n) + np.bincount(self.end, values, n)
+
 
 def from_scene(scene: Scene) -> Structure:
     """Return the arrays of a scene; both elastic laws, eq. (2) and Hooke's, become one stiffness."""

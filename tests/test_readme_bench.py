@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from cgff_cli.bench.changes import CHANGES
-from cgff_cli.bench.expectation import BALANCED, KINDS
-from cgff_cli.bench.measure import ROW_FIELDS
-from cgff_cli.bench.record import SCHEMA
-from cgff_cli.bench.suite import cases_of, standard
+from cgff_cli.study.bench import BENCH_SCHEMA
+from cgff_cli.study.changes import CHANGES
+from cgff_cli.study.expectation import BALANCED, STABILITIES
+from cgff_cli.study.measure import ROW_FIELDS
+from cgff_cli.study.suite import cases_of, standard
 from tests.pages import ROOT, WORDS, blocks, code_in, rows, section
 from tests.studies.readme_tables import BLOCK, MAKERS, PAGE, RECORD, filled
 
@@ -31,7 +31,7 @@ def test_another_figure_would_be_seen():
 
 
 def test_the_record_is_of_the_suite_that_comes_with_the_program_by_all_methods():
-    assert (RECORDED["schema"], RECORDED["options"]) == (SCHEMA, {"methods": ["all"]})
+    assert (RECORDED["schema"], RECORDED["options"]) == (BENCH_SCHEMA, {"methods": ["all"]})
     assert all(tuple(row) == ROW_FIELDS for row in RECORDED["rows"])
     names = list(dict.fromkeys(row["case"] for row in RECORDED["rows"]))
     assert names == [case.id for case in cases_of([standard()])]
@@ -52,7 +52,7 @@ def test_the_fields_of_a_row_are_those_of_the_program():
 def test_the_changes_and_outcomes_of_a_suite_are_those_of_the_program():
     named = set(code_in(section("Bench")))
     assert set(CHANGES) <= named
-    assert {f"{word}-" for word in ("balanced", *BALANCED)} | set(KINDS) <= named
+    assert {f"{word}-" for word in ("balanced", *BALANCED)} | set(STABILITIES) <= named
 
 
 def test_the_suite_shown_can_be_measured(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -1,64 +1,126 @@
-"""Stability of scenes too large for eigenvalues: by inertia, or by what a structure of cables cannot do."""
+"""Stability of large scenes: by Lanczos' method on the inverse of K, or by what cables alone cannot do."""
 
+from collections.abc import Callable
+from functools import partial
+from math import sqrt
 from typing import Any
 
 import numpy as np
 
-from cgff_cli.analysis.stability import MOST_REFINEMENTS, resists, told
-from cgff_cli.mechanics.rigid import rigid_motions
+from cgff_cli.analysis.stability import resists, stability, told
+from cgff_cli.mechanics.norms import norm
+from cgff_cli.mechanics.pattern import TangentPattern
+from cgff_cli.mechanics.signs import BLUR, blurred_at_most, idle_motions, shortest
 from cgff_cli.mechanics.state import State
-from cgff_cli.solvers.preconditioners.sparse import SparseTangent
+from cgff_cli.solvers.factors import Factor, factory
+
+MOST_VECTORS = 200
+
+Operator = Callable[[np.ndarray], np.ndarray]
+
+CLOSE = 1e-8
+"""Residual of the softest motion, relative, at which Lanczos' method has found it."""
 
 
-def stability_of_large(state: State, kind: str, floor: float) -> dict[str, Any]:
-    """Return `stable` and `stability` of a balanced state, null where a rigid motion may be all that is soft.
+def stability_of_large(state: State, kind: str, floor: float, most: float = float("inf")) -> dict[str, Any]:
+    """Return `stable`, `stability` and `smallest_stiffness` of a balanced state.
 
-    Cables alone: K is at least D, axis by axis, so that all is stable that taut cables tie to a support.
-    kind: the sparse factors to use, as in the solve option `factor`; floor: the rounding error of forces.
+    Of cables alone K is at least D, axis by axis, so that all is stable that taut cables tie to a support;
+    smallest_stiffness is then told up to `most` free directions. kind: the sparse factors to use, as in the
+    solve option `factor`; floor: the rounding error of forces.
     """
-    structure = state.mechanics.structure
-    taut = resists(state, floor)
-    if structure.tension_only.all() and state.mechanics.mask is None:
-        return told("stable" if _is_all_tied(state, taut) else "neutral", state, float("inf"))
-    tangent = SparseTangent(state.mechanics, False, kind)
-    found = _inertia(tangent, state, taut)
-    for _ in range(MOST_REFINEMENTS):
-        there = _refined(tangent, state) if found == "neutral" and state.norm > floor else state
-        if there is state:
+    mechanics, taut = state.mechanics, resists(state, floor)
+    signs = partial(LargeSpectrum, kind=kind)
+    if not (mechanics.structure.tension_only.all() and mechanics.mask is None):
+        return stability(state, floor, signs)
+    found = told("stable" if _is_all_tied(state, taut) else "neutral", state, float("inf"))
+    softest = signs(state, taut, floor).softest if len(mechanics.dofs) <= most else float("nan")
+    softest *= mechanics.frame.stiffness
+    return found | {"smallest_stiffness": softest if np.isfinite(softest) else None}
+
+
+class LargeSpectrum:
+    """What `mechanics.signs.Spectrum` tells, from one sparse factor; vectors run node by node.
+
+    No stiffness is below -shift, as K + shift has a Cholesky factor: the least is where its inverse is
+    largest. The start is the same for every scene and has no symmetry that could hide a motion.
+    """
+
+    def __init__(self, state: State, taut: np.ndarray, floor: float, kind: str = "auto"):
+        from scipy.sparse import csc_array
+
+        self.state, mechanics = state, state.mechanics
+        self.shortest = shortest(state)
+        self.doubt = blurred_at_most(state) + 4.0 * float(np.abs(state.g).max()) / self.shortest
+        idle, self.is_sure = idle_motions(state, floor)
+        self.softest, (d, m) = float("inf"), state.X.shape
+        self.places = mechanics.dofs % m * d + mechanics.dofs // m
+        self.R = np.zeros((m * d, idle.shape[1]))
+        self.R[self.places] = idle
+        pattern = TangentPattern(mechanics)
+        data = pattern.fill(*state.parts(None, taut)[1:], held=float(mechanics.scale_stiffness.mean()))
+        self.K = pattern, data, kind
+        stiffest = max(float(mechanics.scale_stiffness.max()), float(np.abs(data).max()))
+        self.shift, self.factor = _shifted(*self.K, BLUR * stiffest)
+        if idle.shape[1] < len(self.places):
+            start = np.zeros(m * d)
+            start[self.places] = np.cos(np.arange(len(self.places)) ** 2.0)
+            x, is_found = _largest(self._inverse, self._cleared(start), len(self.places) - idle.shape[1])
+            self.is_sure &= is_found
+            K = csc_array((data, pattern.indices, pattern.indptr))
+            self.softest = float(x @ (K @ x))
+
+    def newton_steps(self) -> list[np.ndarray]:
+        """Return Newton steps, (d, m), apart from idle motions, and from what has hardly a stiffness."""
+        g = self.state.g
+        flat, steps = self._cleared(g.T.reshape(-1)), []
+        for factor in (self.factor, _shifted(*self.K, sqrt(self.shift))[1]):
+            z = self._cleared(factor.solve(flat)).reshape(g.shape[::-1])
+            steps.append(-np.ascontiguousarray(z.T))
+        return steps
+
+    def _inverse(self, y: np.ndarray) -> np.ndarray:
+        return self._cleared(self.factor.solve(y))
+
+    def _cleared(self, y: np.ndarray) -> np.ndarray:
+        """Return a vector without idle motions."""
+        return y - self.R @ (self.R.T @ y)
+
+
+def _shifted(pattern: TangentPattern, data: np.ndarray, kind: str, shift: float) -> tuple[float, Factor]:
+    """Return the first shift, growing tenfold, with which K has a Cholesky factor, and that factor."""
+    factors = factory(pattern.indices, pattern.indptr, kind)
+    while True:
+        shifted = data.copy()
+        shifted[pattern.diagonal] += shift
+        found = factors.factor(shifted)
+        if found is not None:
+            return shift, found
+        shift *= 10.0
+
+
+def _largest(inverse: Operator, start: np.ndarray, count: int) -> tuple[np.ndarray, bool]:
+    """Return the unit eigenvector of a symmetric operator's largest value, and whether it was found.
+
+    Lanczos' method with all vectors kept and orthogonalised twice. count: dimension of where it acts.
+    """
+    Q, diagonal, beside = [start / norm(start)], [], []
+    for _ in range(min(count, MOST_VECTORS)):
+        z = inverse(Q[-1])
+        diagonal.append(float(Q[-1] @ z))
+        B = np.array(Q)
+        for _ in range(2):
+            z -= B.T @ (B @ z)
+        beside.append(norm(z))
+        T = np.diag(diagonal) + np.diag(beside[:-1], 1) + np.diag(beside[:-1], -1)
+        values, vectors = np.linalg.eigh(T)
+        if beside[-1] * abs(vectors[-1, -1]) <= CLOSE * abs(values[-1]):
             break
-        state = there
-        found = _inertia(tangent, state, taut)
-    if found == "neutral" and not _is_settled(state):
-        return {"stable": None, "stability": None}
-    return told(found, state, floor)
-
-
-def _inertia(tangent: SparseTangent, state: State, taut: np.ndarray) -> str:
-    """Return "stable", "unstable" or "neutral": whether K less its doubt, or with it, is positive definite.
-
-    The rigid motions of a floating body are pinned; others that supports allow may be what is neutral.
-    """
-    doubt = tangent.doubt(state)
-    if tangent.definite(state, -doubt, taut) is not None:
-        return "stable"
-    return "neutral" if tangent.definite(state, doubt, taut) is not None else "unstable"
-
-
-def _refined(tangent: SparseTangent, state: State) -> State:
-    """Return the state after a Newton step, or itself where K is indefinite or the step gains nothing."""
-    solve = tangent.system(state.parts(), 0.0)
-    if solve is None:
-        return state
-    there = state.mechanics.at(state.X - solve(state.g))
-    return there if there.norm < state.norm else state
-
-
-def _is_settled(state: State) -> bool:
-    """Return whether rigid motions are either all idle, and pinned, or all impossible."""
-    mechanics = state.mechanics
-    if mechanics.all_free:
-        return mechanics.F is None
-    return rigid_motions(mechanics.everywhere(state.X), mechanics.structure.free.T).shape[1] == 0
+        Q.append(z / beside[-1])
+    x = B.T @ vectors[:, -1]
+    for _ in range(2):  # where K is all but singular its inverse is hardly linear, and x is the better for it
+        x = inverse(x * (1.0 / norm(x)))
+    return x / norm(x), len(Q) == len(diagonal) or len(diagonal) == count
 
 
 def _is_all_tied(state: State, taut: np.ndarray) -> bool:

@@ -4,13 +4,16 @@ from typing import Any
 
 import numpy as np
 
+from cgff_cli.analysis.nulls import rank, zeros
 from cgff_cli.mechanics.connectivity import dense
 from cgff_cli.mechanics.equilibrium import equilibrium_matrix, force_density_matrix
-from cgff_cli.mechanics.rigid import rigid_motions
 from cgff_cli.mechanics.state import State
 from cgff_cli.solvers.stopping import VANISHED
 
 LEAST_TOLERANCE = 1e-9
+
+SPANNED = 1e-9
+"""Relative size below which a shape has no extent in a direction."""
 
 
 def rank_tolerance(relative: float) -> float:
@@ -21,46 +24,101 @@ def rank_tolerance(relative: float) -> float:
     return max(LEAST_TOLERANCE, 10.0 * relative)
 
 
-def force_density_threshold(state: State, tolerance: float) -> float:
-    """Return the force density below which one is zero: the tolerance of the largest, or rounding error."""
-    blurred = state.mechanics.k * state.taut * state.rounding / state.l
-    return max(tolerance * float(np.abs(state.q).max()), VANISHED * float(blurred.max()))
+class Ranks:
+    """U and D at a state and what of them is zero, dense or, of large scenes, sparse.
 
-
-def rank_conditions(state: State, tolerance: float) -> dict[str, Any]:
-    """Return nullities of D and U and what follows: states of self-stress, mechanisms, rigid motions.
-
-    n_D = n - rank D must be >= d + 1, eq. (5), and n_U = b - rank U >= 1, eq. (6), in a free prestressed
-    structure. States of self-stress and mechanisms count taut elements and free directions only. The columns
-    of U are unit vectors, at either end, so that its singular values compare with 1; those of D compare with
-    the largest force density. A cable that is shorter than its rest length by no more than rounding counts as
-    taut.
+    The columns of U are unit vectors, at either end, so that its singular values compare with 1; those of D
+    compare with the largest force density, or with what rounding makes of one. A cable that is shorter than
+    its rest length by no more than rounding counts as taut.
     """
-    mechanics, structure = state.mechanics, state.mechanics.structure
-    n, d = structure.coordinates.shape
-    rho_t, free = dense(structure.start, structure.end, n), structure.free.T
-    U = equilibrium_matrix(rho_t, state.V / state.l)
-    taut = state.stretch >= mechanics.least - VANISHED * state.rounding
-    taut_rank = _rank(U[free.reshape(-1)][:, taut], tolerance)
-    all_taut = mechanics.all_free and bool(taut.all())
-    D = force_density_matrix(rho_t, state.q)
-    nullity_D = n - _rank(D, force_density_threshold(state, tolerance))
-    nullity_U = len(taut) - (taut_rank if all_taut else _rank(U, tolerance))
-    rigid = rigid_motions(mechanics.everywhere(state.X), free).shape[1]
-    return {
-        "nullity_D": nullity_D,
-        "nullity_U": nullity_U,
-        "condition_D": nullity_D >= d + 1,
-        "condition_U": nullity_U >= 1,
-        "self_stress_states": int(taut.sum()) - taut_rank,
-        "mechanisms": int(free.sum()) - taut_rank - rigid,
-        "rigid_motions": rigid,
-        "rank_tolerance": tolerance,
-    }
+
+    def __init__(self, state: State, tolerance: float):
+        self.state, self.tolerance = state, tolerance
+        m, rounding = state.mechanics, state.rounding
+        self.taut = state.stretch >= m.least - VANISHED * rounding
+        blurred = float((m.k * state.taut * rounding / state.l).max())
+        self.threshold = max(tolerance * float(np.abs(state.q).max()), VANISHED * blurred)
+        U = state.V / state.l
+        if m.is_small:
+            s = m.structure
+            rho_t = dense(s.start, s.end, len(s.free))
+            self.U, self.D = equilibrium_matrix(rho_t, U), force_density_matrix(rho_t, state.q)
+        else:
+            self.U, self.D = _sparse(state, U)
+        self.nullity_D, self.is_semidefinite = zeros(self.D, self.threshold)
+
+    def conditions(self) -> dict[str, Any]:
+        """Return nullities of D and U and what follows; null where too many motions are too soft to tell.
+
+        n_D = n - rank D must be >= d + 1, eq. (5), and n_U = b - rank U >= 1, eq. (6), in a free prestressed
+        structure. States of self-stress and mechanisms count taut elements and free directions only.
+        """
+        m, count = self.state.mechanics, int(self.taut.sum())
+        U = self.U if m.all_free else self.U[m.structure.free.T.reshape(-1)]
+        all_taut, b = count == len(self.taut), len(self.taut)
+        taut_rank = rank(U if all_taut else U[:, self.taut], self.tolerance)
+        whole = taut_rank
+        if not all_taut or not (m.all_free or taut_rank == b):  # rows added lower no singular value
+            whole = rank(self.U, self.tolerance, seems_full=True)
+        rigid, n_D, n_U = self.state.rigid.basis.shape[1], self.nullity_D, _less(b, whole)
+        return {
+            "nullity_D": n_D,
+            "nullity_U": n_U,
+            "condition_D": None if n_D is None else n_D >= len(self.state.X) + 1,
+            "condition_U": None if n_U is None else n_U >= 1,
+            "self_stress_states": _less(count, taut_rank),
+            "mechanisms": _less(U.shape[0] - rigid, taut_rank),
+            "rigid_motions": rigid,
+            "rank_tolerance": self.tolerance,
+        }
+
+    def is_super_stable(self) -> bool | None:
+        """Return whether stress alone makes a stable shape stable, at any stiffness (Connelly 1982).
+
+        D is positive semidefinite and has no null vectors but the affine motions: n_D is d + 1, or one more
+        than the dimension of the affine span of a flat structure. With supports, D acts on the free
+        directions and the affine motions are those that the supports allow; loads may resist some of them.
+        """
+        m = self.state.mechanics
+        axes = m.structure.free.T if m.mask is not None else m.structure.free.T[:1]  # or else all are alike
+        zero, semidefinite = zip(*(self._zeros_of(free) for free in axes), strict=True)
+        if False in semidefinite:
+            return False
+        if None in zero:
+            return None
+        count = sum(zero)
+        return count < int(axes.sum()) and (count == 0 or count <= _affine_motions(self.state, axes))
+
+    def _zeros_of(self, free: np.ndarray) -> tuple[int | None, bool | None]:
+        """Return how much of D on some nodes, (n,) bool, is zero, and whether none is negative."""
+        whole = self.nullity_D, self.is_semidefinite
+        return whole if free.all() else zeros(self.D[free][:, free], self.threshold)
 
 
-def _rank(matrix: np.ndarray, threshold: float) -> int:
-    """Return how many singular values exceed the threshold."""
-    if matrix.size == 0:
-        return 0
-    return int((np.linalg.svd(matrix, compute_uv=False) > threshold).sum())
+def _less(count: int, rank: int | None) -> int | None:
+    return None if rank is None else count - rank
+
+
+def _sparse(state: State, u: np.ndarray) -> tuple[Any, Any]:
+    """Return U and D, eq. (3), (4), as sparse columns; u: (d, b) unit vectors of elements."""
+    from scipy.sparse import csc_array, vstack
+
+    s, b = state.mechanics.structure, len(state.q)
+    ends, n = np.stack((s.start, s.end), axis=1).reshape(-1), len(s.free)
+
+    def rho_t(weight: np.ndarray) -> Any:
+        signed = np.stack((weight, -weight), axis=1).reshape(-1)
+        return csc_array((signed, ends, 2 * np.arange(b + 1)), shape=(n, b))
+
+    return vstack([rho_t(own) for own in u]).tocsc(), (rho_t(state.q) @ rho_t(np.ones(b)).T).tocsc()
+
+
+def _affine_motions(state: State, axes: np.ndarray) -> int:
+    """Return how many affine functions of place are zero where held, summed over axes, (a, n) bool: free."""
+    X = state.mechanics.everywhere(state.X).T
+    Y = X - np.add.reduce(X, 0) * (1.0 / len(X))
+    spanned = np.concatenate((np.ones((len(X), 1)), Y / (np.abs(Y).max() or 1.0)), axis=1)
+    left, values, _ = np.linalg.svd(spanned, full_matrices=False)
+    affine = left[:, values > SPANNED * values[0]]
+    held = [affine[~free] for free in axes if not free.all()]
+    return affine.shape[1] * len(axes) - sum(int(np.linalg.matrix_rank(h, tol=SPANNED)) for h in held)

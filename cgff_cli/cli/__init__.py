@@ -16,8 +16,8 @@ from cgff_cli import __version__
 # each other on a busy machine (a large net took up to twenty times as long) and may round differently.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-from cgff_cli.cli.common import TellingCommand, errors_reported, word_options
-from cgff_cli.hints import did_you_mean
+from cgff_cli.cli.common import errors_reported, word_options
+from cgff_cli.cli.lazy import LazyGroup
 
 COMMANDS = {
     "solve": "Find the equilibrium shape of each scene.",
@@ -27,11 +27,9 @@ COMMANDS = {
     "new": "Write a scene of a family: prisms, towers, polyhedra, nets, chains.",
 }
 
-EPILOG = """\b
+_EPILOG = """\b
 Examples:
-  cgff solve prism.yaml
   cgff solve prism.yaml -o prism.json --history prism.csv
-  cgff check *.yaml
   cgff new prism --sides 5 --noise 0.1 | cgff solve -
 
 \b
@@ -46,52 +44,32 @@ Shell completion (likewise zsh_source, fish_source):
 """
 
 
-class LazyGroup(TellingCommand, click.Group):
-    """The commands of COMMANDS, none of them imported before it is called or asked for help."""
+class _Program(LazyGroup):
+    """The commands of COMMANDS; whatever goes wrong becomes words and an exit code."""
 
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        """Return the commands in the order of COMMANDS."""
-        return list(COMMANDS)
+    listed, noun, heading = COMMANDS, "command", "Commands"
 
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Return a command, imported now, or None where there is none of that name."""
-        if cmd_name not in COMMANDS:
-            return None
-        command: click.Command = import_module(f"cgff_cli.cli.{cmd_name}").command
+    def made(self, name: str) -> click.Command:
+        """Return a command, imported now."""
+        command: click.Command = import_module(f"cgff_cli.cli.{name}").command
         return command
 
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the list of commands from COMMANDS, importing none."""
-        with formatter.section("Commands"):
-            formatter.write_dl(list(COMMANDS.items()))
-
-    def resolve_command(
-        self, ctx: click.Context, args: list[str]
-    ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Find the command to run; an unknown one is refused with what may have been meant."""
-        word = args[0]
-        if word not in COMMANDS and not word.startswith("-") and not ctx.resilient_parsing:
-            ctx.fail(f"no such command {word!r}; {_meant(word)}")
-        return super().resolve_command(ctx, args)
-
     def make_context(self, *arguments: Any, **more: Any) -> click.Context:
-        """Read the command line; what is wrong with it becomes words and an exit code."""
+        """Read the command line."""
         with errors_reported():
             return super().make_context(*arguments, **more)
 
     def invoke(self, ctx: click.Context) -> object:
-        """Run the command; whatever it raises becomes words and an exit code."""
+        """Run the command."""
         with errors_reported():
             return super().invoke(ctx)
 
-
-def _meant(word: str) -> str:
-    if os.path.exists(word):
-        return f"did you mean 'cgff solve {word}'?"
-    return did_you_mean(word, COMMANDS)[2:] or f"there are {', '.join(COMMANDS)}"
+    def meant(self, word: str) -> str:
+        """Return what may have been meant: to solve a file, perhaps."""
+        return f"; did you mean 'cgff solve {word}'?" if os.path.exists(word) else super().meant(word)
 
 
-@click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]}, epilog=EPILOG)
+@click.group(cls=_Program, context_settings={"help_option_names": ["-h", "--help"]}, epilog=_EPILOG)
 @click.version_option(__version__, prog_name="cgff", message="%(prog)s %(version)s")
 @word_options
 def main() -> None:

@@ -1,6 +1,5 @@
 """`cgff bench`: many scenes by several methods, a row per case and method, resumed where it stopped."""
 
-import sys
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
@@ -9,10 +8,12 @@ import click
 from cgff_cli.cli.common import (
     ExitCode,
     SectionCommand,
+    examples,
+    flag,
+    progress,
     report_error,
     say,
     screen,
-    wanted,
     word_options,
     worst,
 )
@@ -26,35 +27,32 @@ from cgff_cli.cli.targets import Named, check_targets, files_among
 from cgff_cli.report.files import STDOUT, is_stream, write_output
 
 if TYPE_CHECKING:
-    from cgff_cli.bench.jobs import Job
-    from cgff_cli.bench.measure import Row
+    from cgff_cli.study.bench import Job
+    from cgff_cli.study.machine import Done, Row
 
-EPILOG = """\b
-Examples:
-  cgff bench -o bench.json
-  cgff bench --only towers/ --lm --lbfgs --format table
-  cgff bench suite.yaml prism.yaml --all --repeat 1 -o rows.csv
-"""
-
-_ONLY = (
-    ("--only",),
-    "Cases",
-    {"metavar": "WORD", "multiple": True, "help": "Only cases with WORD in their id; may be repeated."},
-)
-_AGAIN = (
-    ("--again",),
-    "Cases",
-    {"is_flag": True, "help": "Measure anew what FILE.json holds already."},
+_EPILOG = examples(
+    "cgff bench -o bench.json",
+    "cgff bench suite.yaml prism.yaml --only towers/ --lm --lbfgs --format table",
 )
 
+_ONLY = flag(
+    "--only",
+    section="Cases",
+    metavar="WORD",
+    multiple=True,
+    help="Only cases with WORD in their id; may be repeated.",
+)
+_AGAIN = flag("--again", section="Cases", is_flag=True, help="Measure anew what FILE.json holds already.")
 
-@click.command("bench", cls=SectionCommand, epilog=EPILOG)
+
+@click.command("bench", cls=SectionCommand, epilog=_EPILOG)
 @click.argument("suites", nargs=-1, metavar="[SUITE|SCENE...]", type=click.Path())
 @comparing_flags(
     "all",
     10.0,
     "Write to FILE after every case: .json everything, to go on from when started again; .csv a table.",
-    [_ONLY, _AGAIN],
+    _ONLY,
+    _AGAIN,
 )
 @word_options
 @click.pass_context
@@ -65,12 +63,12 @@ def command(ctx: click.Context, suites: tuple[str, ...], **values: Any) -> None:
     with the program. Started again with the same -o FILE.json, it measures only what is not yet in there
     or has changed: the case, the options, the program or the machine.
     """
+    from cgff_cli.study.machine import done
+
     bench = Bench(suites, values)
     code = ExitCode.OK
-    for number, job in enumerate(bench.asked, 1):
-        code = worst(code, bench.done(job, number))
-        if code is ExitCode.INTERRUPTED:
-            break
+    for ended in done(bench.asked, bench.measured, bench.rows):
+        code = worst(code, bench.took(ended))
     bench.finish()
     ctx.exit(code)
 
@@ -83,71 +81,61 @@ class Bench:
     """
 
     def __init__(self, suites: tuple[str, ...], values: dict[str, Any]):
-        from cgff_cli.bench.jobs import jobs_of
-        from cgff_cli.bench.suite import cases_of, standard
+        from cgff_cli.study.bench import jobs_of, kept
+        from cgff_cli.study.suite import cases_of, standard
 
         self.path = None if values["output"] == STDOUT else values["output"]
         self.form = form_of(values["output_format"], self.path, table_too=True)
         self.table = "table" in (self.form, values["output_format"])
+        self.is_filed = self.path is not None and not is_stream(self.path)
         methods, self.options = wanted_methods(values, "all"), comparing_options(values)
         self.jobs = jobs_of(cases_of(suites or [standard()]), methods, self.options)
         self.options |= {"methods": methods}
         check_targets(files_among([(self.path, "the rows")]), _inputs(suites, self.jobs))
         self.asked = _selected(self.jobs, values["only"])
-        self.rows: dict[str, list[Row]] = self._kept(values["again"])
+        self.rows: dict[str, list[Row]] = {}
+        if self.form == "json" and self.is_filed:
+            self.rows = kept(str(self.path), self.jobs)
+        for job in self.asked if values["again"] else ():
+            self.rows.pop(job.digest, None)
 
-    def done(self, job: "Job", number: int) -> ExitCode:
-        """Measure one job, unless its rows are there already; write what there is, tell how it ended."""
-        if job.digest not in self.rows:
-            try:
-                self.rows[job.digest] = self._measured(job, number)
-            except KeyboardInterrupt:
-                say(f"cgff: {job.case.id}: interrupted")
-                return ExitCode.INTERRUPTED
-            except Exception as error:
-                say(f"cgff: {job.case.id}: not measured")
-                return report_error(error)
-            if self.path is not None and not is_stream(self.path):
-                write_output(self.path, self._text())
+    def measured(self, job: "Job") -> "list[Row]":
+        """Return the rows of a job, showing on a terminal which run of which case is at work."""
+        from cgff_cli.study.measure import measured
+
+        place = f"case {self.asked.index(job) + 1} of {len(self.asked)}"
+        with progress(job.case.id, delay=0.0) as line:
+            if line is None:
+                return measured(job)
+            line.show(place)
+            return measured(job, lambda method, run: line.show(f"{place}, {method}, run {run}"))
+
+    def took(self, ended: "Done[Job, list[Row]]") -> ExitCode:
+        """Take what became of a job: write what there is so far, and tell how it ended."""
+        name = ended.job.case.id
+        if ended.is_interrupt:
+            say(f"cgff: {name}: interrupted")
+            return ExitCode.INTERRUPTED
+        if ended.error is not None:
+            say(f"cgff: {name}: not measured")
+            return report_error(ended.error)
+        rows = self.rows[ended.job.digest] = ended.found
+        if ended.is_new and self.is_filed:
+            write_output(str(self.path), self._text())
         if self.table:
             from cgff_cli.report.bench_text import case_text
 
-            write_output(STDOUT, [case_text(self.rows[job.digest], **screen())])
-        return _told(job, self.rows[job.digest])
+            write_output(STDOUT, [case_text(rows, **screen())])
+        return _told(ended.job, rows)
 
     def finish(self) -> None:
         """Write what takes all rows at once."""
         if self.table and self._found(self.asked):
-            from cgff_cli.report.bench_text import summary_text
+            from cgff_cli.report.bench_text import all_cases_text
 
-            write_output(STDOUT, [summary_text(self._found(self.asked), **screen())])
-        if self.path is not None:
-            write_output(self.path, self._text())
-        elif not self.table:
-            write_output(STDOUT, self._text())
-
-    def _kept(self, again: bool) -> "dict[str, list[Row]]":
-        """Return the rows of an earlier run, without those to be measured again."""
-        if self.form != "json" or self.path is None or is_stream(self.path):
-            return {}
-        from cgff_cli.bench.record import kept
-
-        rows = kept(self.path, self.jobs)
-        for job in self.asked if again else ():
-            rows.pop(job.digest, None)
-        return rows
-
-    def _measured(self, job: "Job", number: int) -> "list[Row]":
-        from cgff_cli.bench.measure import measured
-
-        if wanted("quiet") or not sys.stderr.isatty():
-            return measured(job)
-        from cgff_cli.report.progress import Progress
-
-        place = f"case {number} of {len(self.asked)}"
-        with Progress(job.case.id, delay=0.0) as progress:
-            progress.show(place)
-            return measured(job, lambda method, run: progress.show(f"{place}, {method}, run {run}"))
+            write_output(STDOUT, [all_cases_text(self._found(self.asked), **screen())])
+        if self.path is not None or not self.table:
+            write_output(self.path or STDOUT, self._text())
 
     def _found(self, jobs: "list[Job]") -> "list[Row]":
         return [row for job in jobs for row in self.rows.get(job.digest, [])]
@@ -159,8 +147,8 @@ class Bench:
             from cgff_cli.report.bench_csv import bench_table
 
             return bench_table(rows)
-        from cgff_cli.bench.record import record
         from cgff_cli.report import json_out
+        from cgff_cli.study.bench import record
 
         return json_out.pretty(record(self.options, rows).items())
 

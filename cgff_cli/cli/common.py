@@ -2,16 +2,21 @@
 
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from enum import IntEnum
-from typing import Any, TextIO, TypedDict, TypeVar
+from functools import reduce
+from typing import TYPE_CHECKING, Any, TextIO, TypedDict, TypeVar
 
 import click
 
 from cgff_cli.errors import CgffError, OptionError, SceneError
 
+if TYPE_CHECKING:
+    from cgff_cli.report.progress import Progress
+
 Decorated = TypeVar("Decorated", bound=Callable[..., Any])
+Decorator = Callable[[Decorated], Decorated]
 
 
 class ExitCode(IntEnum):
@@ -28,16 +33,9 @@ class ExitCode(IntEnum):
     """The reader of standard output has gone: 128 + SIGPIPE, as of any other program in a pipe."""
 
 
-_SEVERITY = (
-    ExitCode.OK,
-    ExitCode.UNMET,
-    ExitCode.NOT_CONVERGED,
-    ExitCode.SCENE,
-    ExitCode.USAGE,
-    ExitCode.ERROR,
-    ExitCode.INTERRUPTED,
-    ExitCode.BROKEN_PIPE,
-)
+_SEVERITY = ("OK", "UNMET", "NOT_CONVERGED", "SCENE", "USAGE", "ERROR", "INTERRUPTED", "BROKEN_PIPE")
+
+_WIDEST = 24  # columns of a flag that keeps its help beside it
 
 
 def worst(*codes: ExitCode) -> ExitCode:
@@ -45,13 +43,13 @@ def worst(*codes: ExitCode) -> ExitCode:
 
     An error of cgff's own outweighs both, since what it left undone is not known.
     """
-    return max(codes, key=_SEVERITY.index)
+    return max(codes, key=lambda code: _SEVERITY.index(code.name))
 
 
 class SectionOption(click.Option):
     """An option listed in the help under a heading of its own."""
 
-    def __init__(self, *args: Any, section: str, **attributes: Any):
+    def __init__(self, *args: Any, section: str = "Options", **attributes: Any):
         super().__init__(*args, **attributes)
         self.section = section
 
@@ -81,27 +79,39 @@ class SectionCommand(TellingCommand):
                 sections.setdefault(getattr(option, "section", "Options"), []).append(record)
         for section, records in sections.items():
             with formatter.section(section):
-                formatter.write_dl(records)
+                formatter.write_dl(records, col_max=_WIDEST)
 
 
-def word_options(function: Decorated) -> Decorated:
-    """Add -q, -v, --traceback and --color, given before or after the command's name."""
-    for names, help_text in (
-        (("--traceback",), "Show where in the program an error arose."),
-        (("--color/--no-color",), "Colours or none. Default: on a terminal, unless NO_COLOR is set."),
-        (("-v", "--verbose"), "More words, and full tables."),
-        (("-q", "--quiet"), "No progress and no warnings; errors only."),
-    ):
-        add = click.option(
-            *names, help=help_text, is_flag=True, default=None, expose_value=False, callback=_keep_word
-        )
-        function = add(function)
-    return function
+def flag(*names: str, **attributes: Any) -> Decorator[Any]:
+    """Return what adds an option; `section` is its heading in the help."""
+    return click.option(*names, cls=SectionOption, **attributes)
+
+
+def flags(*own: Decorator[Any]) -> Decorator[Any]:
+    """Return what adds several options, listed in the help in this order."""
+    return lambda function: reduce(lambda made, add: add(made), reversed(own), function)
+
+
+def examples(*lines: str) -> str:
+    """Return the end of a help text: commands that do something useful."""
+    return "\b\nExamples:\n" + "".join(f"  {line}\n" for line in lines)
 
 
 def _keep_word(ctx: click.Context, option: click.Parameter, value: bool | None) -> None:
     if value is not None:
         ctx.meta[f"cgff.{option.name}"] = value
+
+
+_WORD: dict[str, Any] = {"is_flag": True, "default": None, "expose_value": False, "callback": _keep_word}
+_COLOURS = "Colours or none. Default: on a terminal, unless NO_COLOR is set."
+
+word_options = flags(
+    flag("-q", "--quiet", help="No progress and no warnings; errors only.", **_WORD),
+    flag("-v", "--verbose", help="More words, and full tables.", **_WORD),
+    flag("--color/--no-color", help=_COLOURS, **_WORD),
+    flag("--traceback", help="Show where in the program an error arose.", **_WORD),
+)
+"""Adds -q, -v, --color and --traceback, given before or after the command's name."""
 
 
 def wanted(word: str) -> bool | None:
@@ -134,9 +144,27 @@ def warn(text: str) -> None:
         say(text)
 
 
+def warn_of(scene: str, warnings: Iterable[str]) -> None:
+    """Write the warnings about a scene to standard error, unless -q was given."""
+    for warning in warnings:
+        warn(f"cgff: {title(scene)}: warning: {warning}")
+
+
 def title(scene: str) -> str:
     """Return what a scene is called in words: its path, or <stdin>."""
     return "<stdin>" if scene == "-" else scene
+
+
+@contextmanager
+def progress(words: str, **more: Any) -> Iterator["Progress | None"]:
+    """Give what shows progress on standard error; None where that is no terminal, or -q was given."""
+    if wanted("quiet") or not sys.stderr.isatty():
+        yield None
+        return
+    from cgff_cli.report.progress import Progress
+
+    with Progress(words, **more) as line:
+        yield line
 
 
 def report_error(error: Exception) -> ExitCode:
@@ -146,8 +174,7 @@ def report_error(error: Exception) -> ExitCode:
 
         traceback.print_exception(error)
     if isinstance(error, SceneError):
-        for problem in error.problems:
-            say(str(problem))
+        say(str(error))
         return ExitCode.SCENE
     if isinstance(error, CgffError):
         say(f"cgff: {error}")

@@ -1,8 +1,8 @@
 """`cgff compare`: the same scenes by CGFF and by others, side by side."""
 
 import os
-import sys
 from collections.abc import Iterable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -10,6 +10,8 @@ import click
 from cgff_cli.cli.common import (
     ExitCode,
     SectionCommand,
+    examples,
+    progress,
     report_error,
     say,
     screen,
@@ -25,41 +27,36 @@ from cgff_cli.cli.comparing import (
     form_of,
     wanted_methods,
 )
+from cgff_cli.cli.options import once_only, output_flag
 from cgff_cli.cli.targets import Named, check_targets, files_among, files_of, refuse_inputs
 from cgff_cli.report.files import STDOUT, write_output
 
 if TYPE_CHECKING:
-    from cgff_cli.comparison.record import Comparison
+    from cgff_cli.study.machine import Done
+    from cgff_cli.study.record import Comparison
+    from cgff_cli.study.scenes import SceneJob
 
-EPILOG = """\b
-Examples:
-  cgff compare --fdm
-  cgff compare prism.yaml --fdm --fsolve --lm --plot prism.png
-  cgff compare net.yaml --all --repeat 5 --format json | jq '.methods[].verdict'
-  cgff compare *.yaml --all -o methods.csv
-"""
+_EPILOG = examples(
+    "cgff compare prism.yaml --fdm --fsolve --lm --plot prism.png",
+    "cgff compare *.yaml --all -o methods.csv",
+)
 
 PICTURES = (".png", ".svg")
 
-_PLOT = (
-    ("--plot",),
-    "Output",
-    {
-        "metavar": "FILE",
-        "type": click.Path(),
-        "help": "Also draw residual against time and iterations to FILE (.png or .svg); "
-        "needs matplotlib, the extra cgff-cli[plot].",
-    },
+_PLOT = output_flag(
+    "--plot",
+    help="Also draw residual against time and iterations to FILE (.png or .svg); needs matplotlib, the "
+    "extra cgff-cli[plot].",
 )
 
 
-@click.command("compare", cls=SectionCommand, epilog=EPILOG)
+@click.command("compare", cls=SectionCommand, epilog=_EPILOG)
 @click.argument("scenes", nargs=-1, metavar="[SCENE...]", type=click.Path(allow_dash=True))
 @comparing_flags(
     "fdm",
     60.0,
     "Write to FILE: .json everything, .csv a row per scene and method; - is standard output.",
-    [_PLOT],
+    _PLOT,
 )
 @word_options
 @click.pass_context
@@ -70,20 +67,21 @@ def command(ctx: click.Context, scenes: tuple[str, ...], **values: Any) -> None:
     at the scene's own start, are judged by the scene's forces and stop at the same tolerance. A method that
     fails is a row that says how.
     """
+    from cgff_cli.study.machine import done
+    from cgff_cli.study.scenes import SceneJob
+
     form, path = form_of(values["output_format"], values["output"]), values["output"]
     given = scenes or _paper()
     targets = _prepare(given, path, values["plot"])
+    options = comparing_options(values) | {"methods": wanted_methods(values, "fdm")}
     found: list[Comparison] = []
     code = ExitCode.OK
-    for scene in given:
-        comparison, one = _compared(scene, values, targets)
-        code = worst(code, one)
-        if code is ExitCode.INTERRUPTED:
-            break
-        if comparison is not None:
-            found.append(comparison)
+    for ended in done(map(SceneJob, given), partial(_compared, options, targets)):
+        code = worst(code, _told(ended))
+        if ended.found is not None:
+            found.append(ended.found)
             if path in (None, STDOUT) and form != "csv":
-                write_output(STDOUT, _text([comparison], form, many=len(given) != 1))
+                write_output(STDOUT, _text([ended.found], form, many=len(given) != 1))
     if code is not ExitCode.INTERRUPTED or found:
         _finish(found, form, path, values["plot"])
     ctx.exit(code)
@@ -105,53 +103,41 @@ def _paper() -> list[str]:
     return [shipped(name) for name in PAPER]
 
 
-def _compared(
-    scene: str, values: dict[str, Any], targets: Sequence[Named]
-) -> "tuple[Comparison | None, ExitCode]":
-    """Return the comparison of one scene, None where there is none, and an exit code."""
-    try:
-        comparison = _found(scene, values, targets)
-    except KeyboardInterrupt:
-        say(f"cgff: {title(scene)}: interrupted")
-        return None, ExitCode.INTERRUPTED
-    except click.UsageError:
-        raise
-    except Exception as error:
-        return None, report_error(error)
-    for warning in comparison.source.warnings:
-        warn(f"cgff: {title(scene)}: warning: {warning}")
-    own = comparison.methods[0]
-    if own.converged:
-        return comparison, ExitCode.OK
-    say(f"cgff: {title(scene)}: {own.verdict}: {own.message}")
-    return comparison, ExitCode.NOT_CONVERGED
-
-
-def _found(path: str, values: dict[str, Any], targets: Sequence[Named]) -> "Comparison":
+def _compared(options: dict[str, Any], targets: Sequence[Named], job: "SceneJob") -> "Comparison":
     """Return the comparison of one scene, showing on a terminal which method is at work."""
-    from cgff_cli.comparison.compare import compare
     from cgff_cli.scene.read import load
+    from cgff_cli.study.compare import compare
 
-    scene = load(path)
-    refuse_inputs(targets, ((file, f"a file of {title(path)}") for file in scene.files))
+    scene = load(job.path)
+    refuse_inputs(targets, ((file, f"a file of {title(job.path)}") for file in scene.files))
+    with progress(title(job.path), delay=0.0) as line:
+        if line is None:
+            return compare(scene, **options)
+        return compare(scene, observer=lambda name, run: line.show(f"{name}, run {run}"), **options)
 
-    options = comparing_options(values) | {"methods": wanted_methods(values, "fdm")}
-    if wanted("quiet") or not sys.stderr.isatty():
-        return compare(scene, **options)
-    from cgff_cli.report.progress import Progress
 
-    with Progress(title(path), delay=0.0) as progress:
-        return compare(
-            scene,
-            observer=lambda method, run: progress.show(f"{method}, run {run}"),
-            **options,
-        )
+def _told(ended: "Done[SceneJob, Comparison]") -> ExitCode:
+    """Say on standard error what a reader of the exit code alone would miss, and return that code."""
+    name = title(ended.job.path)
+    if ended.is_interrupt:
+        say(f"cgff: {name}: interrupted")
+        return ExitCode.INTERRUPTED
+    if isinstance(ended.error, click.UsageError):
+        raise ended.error
+    if ended.error is not None:
+        return report_error(ended.error)
+    for warning in ended.found.source.warnings:
+        warn(f"cgff: {name}: warning: {warning}")
+    own = ended.found.methods[0]
+    if own.converged:
+        return ExitCode.OK
+    say(f"cgff: {name}: {own.verdict}: {own.message}")
+    return ExitCode.NOT_CONVERGED
 
 
 def _prepare(scenes: Sequence[str], path: str | None, plot: str | None) -> list[Named]:
     """Return the files to write; what cannot be written is refused before any scene is solved."""
-    if scenes.count(STDOUT) > 1:
-        raise click.UsageError("standard input (-) can be read only once")
+    once_only(*scenes)
     if plot is not None:
         from cgff_cli.report.plots import check_matplotlib
 

@@ -1,16 +1,14 @@
 """What the commands that compare methods share: flags, the options they stand for, where output goes."""
 
-import os
-import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import click
 
-from cgff_cli.cli.common import Decorated, SectionOption
-from cgff_cli.cli.options import FORMATS, given_solve_options, solve_option
+from cgff_cli.cli.common import Decorator, flag, flags
+from cgff_cli.cli.options import FORMATS, format_flag, given_solve_options, output_flag, solve_option
+from cgff_cli.cli.targets import form_of_data
 from cgff_cli.options import OPTIONS
-from cgff_cli.report.files import STDOUT, is_stream
 
 RIVALS = {
     "fdm": ("fdm", "Form-finding from connectivity and signs alone; with supports, --schek."),
@@ -29,71 +27,39 @@ RIVALS = {
 SOLVE_OPTIONS = tuple(name for name in OPTIONS if name not in ("method", "objective"))
 """The solve options that are flags here; the methods stand for the other two."""
 
-SUFFIXES = {".json": "json", ".csv": "csv"}
 
-Flag = tuple[tuple[str, ...], str, dict[str, Any]]
-"""Names, section of the help, and attributes of an option."""
-
-
-def comparing_flags(
-    default: str, time_limit: float, contents: str, more: Sequence[Flag] = ()
-) -> Callable[[Decorated], Decorated]:
-    """Return what adds a flag per rival, then those of comparing, of output and of solving.
+def comparing_flags(default: str, time_limit: float, contents: str, *more: Decorator[Any]) -> Decorator[Any]:
+    """Return what adds a flag per rival, then those of comparing, of output, more, and of solving.
 
     default    : the method flag that holds where none is given
     time_limit : the command's own default
     contents   : what a file gets that -o names
     """
-    flags: list[Flag] = [
-        ((f"--{flag}",), f"Methods beside CGFF (--{default} unless given)", {"is_flag": True, "help": text})
-        for flag, (_, text) in RIVALS.items()
-    ]
-    flags += [_REPEAT, _time_limit(time_limit), _FORMAT, _output(contents), *more]
-
-    def add(function: Decorated) -> Decorated:
-        """Add the flags to a command."""
-        for name in reversed(SOLVE_OPTIONS):
-            function = solve_option(name, 1e-12 if name == "tolerance" else None)(function)
-        for names, section, attributes in reversed(flags):
-            function = click.option(*names, cls=SectionOption, section=section, **attributes)(function)
-        return function
-
-    return add
-
-
-_REPEAT: Flag = (
-    ("--repeat",),
-    "Comparing",
-    {
-        "type": click.IntRange(min=1),
-        "metavar": "N",
-        "help": "Runs of each method, in turn, unless one fails or runs out of time; times are medians. "
-        "Default: 3.",
-    },
-)
-
-_FORMAT: Flag = (
-    ("--format", "output_format"),
-    "Output",
-    {
-        "type": click.Choice(FORMATS),
-        "help": "What to write to standard output. Default: table on a terminal, json in a pipe.",
-    },
-)
-
-
-def _time_limit(default: float) -> Flag:
-    attributes = {
-        "type": click.FloatRange(min=0.0, min_open=True),
-        "metavar": "X",
-        "help": f"Seconds after which a run is ended. Default: {default:g}.",
-    }
-    return ("--time-limit",), "Comparing", attributes
-
-
-def _output(contents: str) -> Flag:
-    attributes = {"metavar": "FILE", "type": click.Path(allow_dash=True), "help": contents}
-    return ("-o", "--output"), "Output", attributes
+    heading = f"Methods beside CGFF (--{default} unless given)"
+    return flags(
+        *(flag(f"--{name}", section=heading, is_flag=True, help=text) for name, (_, text) in RIVALS.items()),
+        output_flag("-o", "--output", dash=True, help=contents),
+        format_flag(
+            *FORMATS, help="What to write to standard output. Default: table on a terminal, json in a pipe."
+        ),
+        *more,
+        flag(
+            "--repeat",
+            section="Comparing",
+            type=click.IntRange(min=1),
+            metavar="N",
+            help="Runs of each method, in turn, unless one fails or runs out of time; times are medians. "
+            "Default: 3.",
+        ),
+        flag(
+            "--time-limit",
+            section="Comparing",
+            type=click.FloatRange(min=0.0, min_open=True),
+            metavar="X",
+            help=f"Seconds after which a run is ended. Default: {time_limit:g}.",
+        ),
+        *(solve_option(name, 1e-12 if name == "tolerance" else None) for name in SOLVE_OPTIONS),
+    )
 
 
 def wanted_methods(values: Mapping[str, Any], default: str) -> list[str]:
@@ -109,15 +75,6 @@ def comparing_options(values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def form_of(output_format: str | None, path: str | None, *, table_too: bool = False) -> str:
-    """Return the format to write: by the file's suffix, by the flag, or by where it goes.
-
-    table_too : a table may be asked for beside a file
-    """
-    if path is not None and path != STDOUT and not is_stream(path):
-        form = SUFFIXES.get(os.path.splitext(path)[1].lower())
-        if form is None:
-            raise click.UsageError(f"-o {path}: the name must end in .json (everything) or .csv (a table)")
-        if output_format not in (None, form, "table" if table_too else None):
-            raise click.UsageError(f"--format {output_format} and -o {path} disagree")
-        return form
-    return output_format or ("table" if sys.stdout.isatty() and path in (None, STDOUT) else "json")
+    """Return the format to write; table_too: a table may be asked for beside a file."""
+    beside = table_too and path is not None and output_format == "table"
+    return form_of_data(None if beside else output_format, path)

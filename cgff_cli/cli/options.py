@@ -1,48 +1,63 @@
-"""The flags that several commands take: scenes, solve options, where output goes."""
+"""The flags that several commands take: scenes, solve options, where output goes; and how values are read."""
 
 import os
 from collections.abc import Callable, Mapping
+from contextlib import suppress
+from functools import partial
 from typing import Any
 
 import click
 
-from cgff_cli.cli.common import Decorated, SectionOption
+from cgff_cli.cli.common import Decorator, flag, flags
 from cgff_cli.errors import OptionError
 from cgff_cli.options import OPTIONS, checked
+from cgff_cli.report.files import STDOUT
 
 FORMATS = ("table", "json", "csv")
-_LISTED = "cgff.listed"
 
 
-def scenes_arguments(function: Decorated) -> Decorated:
-    """Add SCENE... and --files-from; a command gets the scenes of both."""
-    add = click.option(
-        "--files-from",
-        metavar="FILE",
-        type=click.Path(allow_dash=True),
-        expose_value=False,
-        is_eager=True,
-        callback=_keep_listed,
-        help="Also take the scenes that FILE names, one a line; - is standard input.",
-    )
-    listed = add(function)
-    return click.argument(
-        "scenes", nargs=-1, metavar="SCENE...", type=click.Path(allow_dash=True), callback=_all_scenes
-    )(listed)
+class Checked(click.ParamType):
+    """A value that a rule of the library accepts, or refuses in its own words on what is allowed.
+
+    kinds : what text is tried to be read as before the rule sees it
+    """
+
+    def __init__(self, name: str, rule: Callable[[Any], Any], *kinds: type):
+        self.name, self.rule, self.kinds = name, rule, kinds
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the value as the rule gives it."""
+        try:
+            return self.rule(self._read(value))
+        except OptionError as error:
+            self.fail(str(error), param, ctx)
+
+    def _read(self, value: Any) -> Any:
+        for kind in self.kinds:
+            with suppress(ValueError, OverflowError):
+                return kind(value)
+        return value
 
 
-def _keep_listed(ctx: click.Context, option: click.Parameter, path: str | None) -> None:
-    if path is not None and not ctx.resilient_parsing:
-        ctx.meta[_LISTED] = path, _listed(path)
+def _all_scenes(ctx: click.Context, argument: click.Parameter, given: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the scenes given and those listed, where there is one at all."""
+    if ctx.resilient_parsing:
+        return given
+    path = ctx.params["files_from"]
+    scenes = (*given, *(_lines(path) if path is not None else ()))
+    if not scenes:
+        raise click.MissingParameter(ctx=ctx, param=argument)
+    once_only(path, *scenes)
+    return scenes
 
 
-def list_given() -> str | None:
-    """Return the file of --files-from, None where there is none."""
-    path: str | None = click.get_current_context().meta.get(_LISTED, (None, ()))[0]
-    return path
+def once_only(*inputs: str | None) -> None:
+    """Raise UsageError where standard input is to be read more than once."""
+    if inputs.count(STDOUT) > 1:
+        raise click.UsageError("standard input (-) can be read only once")
 
 
-def _listed(path: str) -> list[str]:
+def _lines(path: str) -> list[str]:
     """Return the lines of a file that are not blank."""
     try:
         with click.open_file(path, "rb") as file:
@@ -52,65 +67,50 @@ def _listed(path: str) -> list[str]:
     return [os.fsdecode(line) for line in lines if line.strip()]
 
 
-def _all_scenes(ctx: click.Context, argument: click.Parameter, given: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the scenes given and those listed, where there is one at all."""
-    path, listed = ctx.meta.get(_LISTED, (None, ()))
-    scenes = (*given, *listed)
-    if not scenes and not ctx.resilient_parsing:
-        raise click.MissingParameter(ctx=ctx, param=argument)
-    if (path, *scenes).count("-") > 1:
-        raise click.UsageError("standard input (-) can be read only once")
-    return scenes
+scenes_arguments = flags(
+    flag(
+        "--files-from",
+        section="Scenes",
+        metavar="FILE",
+        type=click.Path(allow_dash=True),
+        is_eager=True,
+        help="Also take the scenes that FILE names, one a line; - is standard input.",
+    ),
+    click.argument(
+        "scenes",
+        nargs=-1,
+        metavar="SCENE...",
+        type=click.Path(allow_dash=True),
+        callback=_all_scenes,
+    ),
+)
+"""Adds SCENE... and --files-from; a command gets the scenes of both."""
 
 
-class SolveNumber(click.ParamType):
-    """A number checked by the rules of the solve option its flag is named after."""
-
-    name = "number"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return the option's value; fails with the option's own words on what is allowed."""
-        name = str(param.name) if param else ""
-        try:
-            return checked(name, _number(value))
-        except OptionError as error:
-            self.fail(str(error), param, ctx)
-
-
-def _number(value: Any) -> Any:
-    try:
-        return float(value)
-    except ValueError:
-        return value
-
-
-def solve_options(function: Decorated) -> Decorated:
-    """Add a flag for every solve option; one left out is None, so the scene's own value stands."""
-    for name in reversed(OPTIONS):
-        function = solve_option(name)(function)
-    return function
-
-
-def solve_option(name: str, default: object = None) -> Callable[[Decorated], Decorated]:
+def solve_option(name: str, default: object = None) -> Decorator[Any]:
     """Return what adds the flag of one solve option; `default` is the command's own, where it has one."""
     option = OPTIONS[name]
     rules = option.metadata
     allowed = rules.get("allowed")
-    return click.option(
+    letter = "N" if rules["type"] is int else "X"
+    return flag(
         f"--{name.replace('_', '-')}",
         name,
-        cls=SectionOption,
-        section="Solve options",
-        type=click.Choice(allowed) if allowed else SolveNumber(),
-        metavar=None if allowed else ("N" if rules["type"] is int else "X"),
-        help=f"{_sentence(rules['help'])} Default: {option.default if default is None else default}.",
+        section="Solver",
+        type=click.Choice(allowed) if allowed else Checked(letter, partial(checked, name), float),
+        metavar=None if allowed else letter,
+        help=f"{as_sentence(rules['help'])} Default: {option.default if default is None else default}.",
     )
 
 
-def _sentence(text: str) -> str:
+def as_sentence(text: str) -> str:
     """Return a help text as a sentence; one that begins with an option's value keeps its first letter."""
     begins_with_value = text.split()[0].endswith((":", ","))
-    return (text if begins_with_value else text[0].upper() + text[1:]).rstrip(".") + "."
+    return (text if begins_with_value else text[0].upper() + text[1:]).removesuffix(".") + "."
+
+
+solve_options = flags(*map(solve_option, OPTIONS))
+"""Adds a flag for every solve option; one left out is None, so the scene's own value stands."""
 
 
 def given_solve_options(values: Mapping[str, Any]) -> dict[str, Any]:
@@ -118,61 +118,40 @@ def given_solve_options(values: Mapping[str, Any]) -> dict[str, Any]:
     return {name: values[name] for name in OPTIONS if values.get(name) is not None}
 
 
-def output_options(function: Decorated) -> Decorated:
-    """Add --format, -o, --history, --elements, --out-dir and --summary."""
-    for names, attributes in reversed(_OUTPUT_FLAGS):
-        add = click.option(*names, cls=SectionOption, section="Output", **attributes)
-        function = add(function)
-    return function
+def output_flag(
+    *names: str, dash: bool = False, metavar: str = "FILE", help: str, **attributes: Any
+) -> Decorator[Any]:
+    """Return what adds a flag that names a file to write; dash: - is standard output."""
+    kind = click.Path(allow_dash=dash)
+    return flag(*names, section="Output", metavar=metavar, type=kind, help=help, **attributes)
 
 
-_OUTPUT_FLAGS: tuple[tuple[tuple[str, ...], dict[str, Any]], ...] = (
-    (
-        ("--format", "output_format"),
-        {
-            "type": click.Choice([*FORMATS, "jsonl"]),
-            "help": "What to write to standard output; jsonl: an object a line. "
-            "Default: table on a terminal, json in a pipe.",
-        },
+def format_flag(*formats: str, help: str, **attributes: Any) -> Decorator[Any]:
+    """Return what adds --format."""
+    choice = click.Choice(formats)
+    return flag("--format", "output_format", section="Output", type=choice, help=help, **attributes)
+
+
+output_options = flags(
+    output_flag(
+        "-o",
+        "--output",
+        dash=True,
+        help="Write to FILE: .json everything, .csv the coordinates; - is standard output.",
     ),
-    (
-        ("-o", "--output"),
-        {
-            "metavar": "FILE",
-            "type": click.Path(allow_dash=True),
-            "help": "Write to FILE: .json everything, .csv the coordinates; - is standard output.",
-        },
+    format_flag(
+        *FORMATS,
+        "jsonl",
+        help="What to write to standard output; jsonl: an object a line. Default: table on a terminal, "
+        "json in a pipe.",
     ),
-    (
-        ("--history",),
-        {
-            "metavar": "FILE",
-            "type": click.Path(),
-            "help": "Also write the history, one row per iteration, to FILE (.csv or .json).",
-        },
+    output_flag(
+        "--out-dir",
+        metavar="DIR",
+        help="Write DIR/NAME.json for each scene NAME.yaml; .csv with --format csv.",
     ),
-    (
-        ("--elements",),
-        {
-            "metavar": "FILE",
-            "type": click.Path(),
-            "help": "Also write the table of elements to FILE (.csv or .json).",
-        },
-    ),
-    (
-        ("--out-dir",),
-        {
-            "metavar": "DIR",
-            "type": click.Path(),
-            "help": "Write DIR/NAME.json for each scene NAME.yaml; .csv with --format csv.",
-        },
-    ),
-    (
-        ("--summary",),
-        {
-            "metavar": "FILE",
-            "type": click.Path(),
-            "help": "Also write a row per scene to FILE (.csv or .jsonl).",
-        },
-    ),
+    output_flag("--history", help="Also write the history to FILE (.csv or .json)."),
+    output_flag("--elements", help="Also write the elements to FILE (.csv or .json)."),
+    output_flag("--summary", help="Also write a row per scene to FILE (.csv, .jsonl)."),
 )
+"""Adds -o, --format, --out-dir, --history, --elements and --summary."""

@@ -2,9 +2,7 @@
 
 from collections.abc import Callable, Iterable
 from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple
-
-import click
+from typing import TYPE_CHECKING, NamedTuple
 
 from cgff_cli.errors import OptionError
 from cgff_cli.hints import did_you_mean
@@ -12,10 +10,10 @@ from cgff_cli.hints import did_you_mean
 if TYPE_CHECKING:
     import numpy as np
 
-    from cgff_cli.report.result import Result
+    from cgff_cli.result import Result
 
-MOST_DIRECTIONS = 3000
-"""Free directions up to which dense matrices are made because a requirement needs them: about 20 s."""
+MOST_DIRECTIONS = 30_000
+"""Free directions up to which ranks are computed because a requirement needs them: about a second."""
 
 _NAMED = 3
 
@@ -28,17 +26,9 @@ class Requirement(NamedTuple):
     unmet: "Callable[[Result], str]"
 
 
-class Requirements(click.ParamType):
-    """Words with commas between them, such as stable,max-strain=0.02."""
-
-    name = "requirements"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return the tuple of Requirement; fails saying what is allowed."""
-        try:
-            return tuple(_requirement(word.strip()) for word in value.split(","))
-        except OptionError as error:
-            self.fail(str(error), param, ctx)
+def requirements(words: str) -> tuple[Requirement, ...]:
+    """Return the requirements of words with commas between them, such as stable,max-strain=0.02."""
+    return tuple(_requirement(word.strip()) for word in words.split(","))
 
 
 def _requirement(word: str) -> Requirement:
@@ -63,9 +53,9 @@ def _limit(text: str) -> float:
     return limit
 
 
-def judged_for(result: "Result", requirements: Iterable[Requirement]) -> "Result":
+def judged_for(result: "Result", required: Iterable[Requirement]) -> "Result":
     """Return a result whose analysis answers the requirements, where it may and takes seconds."""
-    lacking = [name for _, name, _ in requirements if name and result.analysis[name] is None]
+    lacking = [name for _, name, _ in required if name and result.analysis[name] is None]
     small = int(result.structure.free.sum()) <= MOST_DIRECTIONS
     if not (lacking and small and result.converged and result.options["analysis"] == "auto"):
         return result
@@ -74,9 +64,9 @@ def judged_for(result: "Result", requirements: Iterable[Requirement]) -> "Result
     return analysed_in_full(result)
 
 
-def unmet(result: "Result", requirements: Iterable[Requirement]) -> list[str]:
+def unmet(result: "Result", required: Iterable[Requirement]) -> list[str]:
     """Return one sentence for each requirement that an equilibrium does not meet."""
-    said = [(own.words, own.unmet(result)) for own in requirements]
+    said = [(own.words, own.unmet(result)) for own in required]
     return [f"{words} is required, but {what}" for words, what in said if what]
 
 

@@ -1,61 +1,56 @@
 """`cgff solve`: form-find each scene, write what was found, tell how it ended."""
 
-import sys
 from itertools import chain
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from cgff_cli.cli.common import (
-    ExitCode,
-    SectionCommand,
-    SectionOption,
-    report_error,
-    say,
-    title,
-    wanted,
-    warn,
-    word_options,
-    worst,
-)
+from cgff_cli.cli.common import ExitCode, SectionCommand, examples, flag, word_options, worst
 from cgff_cli.cli.options import (
+    Checked,
     given_solve_options,
-    list_given,
     output_options,
     scenes_arguments,
     solve_options,
 )
-from cgff_cli.cli.outputs import Flags, Outputs
-from cgff_cli.cli.requirements import ALLOWED, Requirement, Requirements, judged_for, unmet
+from cgff_cli.cli.outputs import Outputs
+from cgff_cli.cli.requirements import ALLOWED, requirements
+from cgff_cli.cli.solving import Solving, earlier, took, watched
+from cgff_cli.report.files import STDOUT
 
-if TYPE_CHECKING:
-    from cgff_cli.report.result import Result
-
-EPILOG = """\b
-Examples:
-  cgff solve prism.yaml
-  cgff solve prism.yaml -o prism.json --history prism-history.csv
-  cgff solve *.yaml --out-dir results --summary results.csv
-  find . -name "*.yaml" | cgff solve --files-from - --format jsonl
-  cgff solve net.yaml --format csv > shape.csv
-  cgff solve tower.yaml --require stable,no-slack,max-strain=0.02
-  cat prism.yaml | cgff solve - | jq .analysis
-"""
+_EPILOG = examples(
+    "cgff solve prism.yaml -o prism.json --history prism.csv",
+    "cgff solve *.yaml --out-dir results --require stable,no-slack,max-strain=0.02",
+)
 
 
-@click.command("solve", cls=SectionCommand, epilog=EPILOG)
-@scenes_arguments
+@click.command("solve", cls=SectionCommand, epilog=_EPILOG)
 @output_options
-@solve_options
-@click.option(
+@flag(
     "--require",
-    cls=SectionOption,
     section="Judging",
-    type=Requirements(),
+    type=Checked("requirements", requirements),
     metavar="WORDS",
     multiple=True,
     help=f"End with exit code 5 where an equilibrium is not all of these: {ALLOWED}.",
 )
+@flag(
+    "--jobs",
+    section="Many scenes",
+    type=click.IntRange(min=1),
+    default=1,
+    metavar="N",
+    help="Solve N scenes at a time, each in a process of its own. Default: 1.",
+)
+@flag(
+    "--resume",
+    section="Many scenes",
+    is_flag=True,
+    help="Leave alone what an earlier run with --resume has put into DIR, unless its scene or what is asked "
+    "has changed.",
+)
+@scenes_arguments
+@solve_options
 @word_options
 @click.pass_context
 def command(ctx: click.Context, scenes: tuple[str, ...], **values: Any) -> None:
@@ -64,63 +59,20 @@ def command(ctx: click.Context, scenes: tuple[str, ...], **values: Any) -> None:
     A SCENE is a YAML or JSON file, or - for standard input. A solve option given here wins over the
     scene's own `solver` block. A run that does not converge still writes its last state, and says so.
     """
-    options = given_solve_options(values)
+    from cgff_cli.study.machine import done
+
+    if values["resume"] and (values["out_dir"] is None or STDOUT in scenes):
+        raise click.UsageError("--resume needs --out-dir DIR, and scenes that are files")
+    outputs = Outputs(scenes, values)
+    # Standard input is there for this process alone.
+    processes = 1 if STDOUT in scenes else min(values["jobs"], len(scenes))
     required = tuple(chain.from_iterable(values["require"]))
-    outputs = Outputs(scenes, Flags(*(values[name] for name in Flags._fields)), list_given())
+    work = Solving(given_solve_options(values), outputs, required, apart=processes > 1)
+    jobs, journal, known = earlier(scenes, work, values["out_dir"] if values["resume"] else None)
     code = ExitCode.OK
-    for scene in scenes:
-        code = worst(code, _solve(scene, options, outputs, required))
+    for ended in watched(done(jobs, work, known, processes), len(jobs), processes):
+        code = worst(code, took(ended, outputs, journal))
         if code is ExitCode.INTERRUPTED:
             break
     outputs.finish()
     ctx.exit(code)
-
-
-def _solve(
-    scene: str, options: dict[str, Any], outputs: Outputs, required: tuple[Requirement, ...]
-) -> ExitCode:
-    """Solve and write one scene; what goes wrong with it is told and stops no other."""
-    try:
-        result = judged_for(_found(scene, options, outputs), required)
-        outputs.write(scene, result)
-    except KeyboardInterrupt:  # outside the solver, which keeps what it has reached
-        say("cgff: interrupted")
-        return ExitCode.INTERRUPTED
-    except (BrokenPipeError, click.UsageError):
-        raise
-    except Exception as error:
-        code = report_error(error)
-        outputs.failed(scene, "bad_scene" if code is ExitCode.SCENE else "error")
-        return code
-    return _tell(scene, result, required)
-
-
-def _found(path: str, options: dict[str, Any], outputs: Outputs) -> "Result":
-    from cgff_cli import pipeline
-    from cgff_cli.scene.read import load
-
-    scene = load(path)
-    outputs.refuse_inputs(scene)
-    if wanted("quiet") or not sys.stderr.isatty():
-        return pipeline.solve(scene, **options)
-    from cgff_cli.report.progress import Progress
-
-    with Progress(title(path)) as progress:
-        return pipeline.solve(scene, observer=progress, **options)
-
-
-def _tell(scene: str, result: "Result", required: tuple[Requirement, ...]) -> ExitCode:
-    """Say on standard error what a reader of the exit code alone would miss."""
-    name = title(scene)
-    for warning in result.warnings:
-        warn(f"cgff: {name}: warning: {warning}")
-    if not result.converged or result.interrupted or wanted("verbose"):
-        say(f"cgff: {name}: {result.verdict}: {result.message}")
-    if result.interrupted:
-        return ExitCode.INTERRUPTED
-    if not result.converged:
-        return ExitCode.NOT_CONVERGED
-    lacking = unmet(result, required)
-    for sentence in lacking:
-        say(f"cgff: {name}: {sentence}")
-    return ExitCode.UNMET if lacking else ExitCode.OK

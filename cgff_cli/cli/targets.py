@@ -1,10 +1,12 @@
-"""What a command may write: no file that it reads, no file twice, none that the system refuses."""
+"""The one rule for outputs: in which form; over no file that is read, none twice, none that is refused."""
 
 import os
-from collections.abc import Iterable, Iterator, Sequence
+import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import click
 
+from cgff_cli.hints import either
 from cgff_cli.report.files import STDOUT, check_target, is_stream, make_folder
 
 Named = tuple[str, str]
@@ -12,6 +14,35 @@ Named = tuple[str, str]
 
 Identity = tuple[int, int] | str
 """Device and inode of a file; of one that is yet to be written, its path."""
+
+TABLE = {".json": "everything", ".csv": "a table"}
+
+
+def form_of_file(flag: str, path: str, contents: Mapping[str, str], name: str = "the name") -> str | None:
+    """Return the form that a file's suffix asks for, such as "json"; None for a device or pipe without one.
+
+    contents : the suffixes allowed, each with what such a file gets, or "" where that goes without saying
+    name     : what must end in one of them, in words
+
+    Raises UsageError where the name ends in none of them.
+    """
+    for suffix in contents:
+        if path.lower().endswith(suffix):
+            return suffix[1:]
+    if is_stream(path):
+        return None
+    words = [f"{suffix} ({what})" if what else suffix for suffix, what in contents.items()]
+    raise click.UsageError(f"{flag} {path}: {name} must end in {either(words)}")
+
+
+def form_of_data(asked: str | None, path: str | None, contents: Mapping[str, str] = TABLE) -> str:
+    """Return the form of what -o or standard output gets: by suffix, by --format, or by who reads it."""
+    if path in (None, STDOUT):
+        return asked or ("table" if sys.stdout.isatty() else "json")
+    form = form_of_file("-o", str(path), contents)
+    if None not in (asked, form) and asked != form:
+        raise click.UsageError(f"--format {asked} and -o {path} disagree")
+    return form or asked or "json"
 
 
 def files_among(targets: Iterable[tuple[str | None, str]]) -> list[Named]:

@@ -96,17 +96,22 @@ class SparseConnectivity(_Graph):
         from scipy.sparse import csr_array
 
         super().__init__(start, end, X, moves)
-        b = len(start)
-        ends = np.stack((start, end), axis=1).reshape(-1)
-        rho = csr_array((np.tile((1.0, -1.0), b), ends, 2 * np.arange(b + 1)), shape=(b, X.shape[1]))
+        moving = np.ones(self.n, dtype=bool) if moves is None else moves
+        b, m = len(start), int(moving.sum())
+        rows = np.where(moving, np.cumsum(moving) - 1, m)  # what does not move stands last, at 0
+        self._rows = rows[start], rows[end]
         if moves is not None:
-            self.fixed = np.stack([rho @ x for x in np.where(moves, 0.0, X)])
-            rho = rho[:, moves]
-        self._rho, self._rho_t = rho, rho.T.tocsr()
+            still = np.where(moves, 0.0, X)
+            self.fixed = still[:, start] - still[:, end]
+        ends = np.stack(self._rows, axis=1).reshape(-1)
+        rho = csr_array((np.tile((1.0, -1.0), b), ends, 2 * np.arange(b + 1)), shape=(b, m + 1))
+        self._rho_t = rho.T.tocsr()[:m]
 
     def differences(self, X: np.ndarray) -> np.ndarray:
         """Return rho X, (d, b), of (d, m) positions of the nodes that move."""
-        return np.stack([self._rho @ x for x in X])
+        X = np.concatenate((X, np.zeros((len(X), 1))), axis=1)
+        start, end = self._rows
+        return X.take(start, axis=1) - X.take(end, axis=1)
 
     def gather(self, V: np.ndarray) -> np.ndarray:
         """Return rho^T V, (d, m), of (d, b) element vectors."""

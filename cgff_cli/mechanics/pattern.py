@@ -1,9 +1,11 @@
 """Sparse symmetric matrices over the nodes: one pattern, found once, and only refilled.
 
 An element between two rows of the matrix puts a value (or a d x d block) on each of their diagonal places
-and one on each of the two places between them. Only for large scenes: this is what needs scipy.
+and one on each of the two places between them. Which of these go where is a sparse matrix of ones, so that
+filling is a product with it. Only for large scenes: this is what needs scipy.
 """
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,55 +13,52 @@ import numpy as np
 from cgff_cli.mechanics.state import Mechanics
 
 if TYPE_CHECKING:
-    from scipy.sparse import csc_array
+    from scipy.sparse import csc_array, csr_array
 
 
 class GraphPattern:
     """Compressed columns (indices, indptr) of a symmetric matrix with one row per chosen node.
 
     rows: (n,) int, node -> matrix row, -1 for a node that has none.
+    sums: (nnz, 4 b) ones, from what elements put at their starts, at their ends, across and back, to data
     """
 
     def __init__(self, start: np.ndarray, end: np.ndarray, rows: np.ndarray):
-        from scipy.sparse import coo_array
+        from scipy.sparse import csr_array
 
-        self.start, self.end = start, end
-        self.nodes = np.flatnonzero(rows >= 0)
-        self.size = len(self.nodes)
-        self.between = np.flatnonzero((rows[start] >= 0) & (rows[end] >= 0))
-        s, e = rows[start[self.between]], rows[end[self.between]]
-        diagonal = np.arange(self.size)
-        where = np.concatenate((diagonal, s, e)), np.concatenate((diagonal, e, s))
-        count = len(where[0])
-        shape = (self.size, self.size)
-        numbered = coo_array((np.arange(count, dtype=float), where), shape=shape).tocsc()
-        numbered.sort_indices()
-        self.indices, self.indptr = numbered.indices, numbered.indptr
-        columns = np.repeat(diagonal, np.diff(self.indptr))
-        self.diagonal = np.flatnonzero(self.indices == columns)
-        if numbered.nnz == count:
-            self._source: np.ndarray | None = numbered.data.astype(np.intp)
-        else:  # parallel elements share a place: add up by place instead of picking by source
-            self._source = None
-            places = columns * self.size + self.indices
-            self._place = np.searchsorted(places, where[1] * self.size + where[0])
+        self.start, self.end, self.nodes = start, end, np.flatnonzero(rows >= 0)
+        self.size, self.count = len(self.nodes), len(rows)
+        s, e, b = rows[start], rows[end], len(start)
+        own = np.arange(self.size)
+        row, column = np.concatenate((s, e, s, e, own)), np.concatenate((s, e, e, s, own))
+        sources = np.flatnonzero((row >= 0) & (column >= 0))
+        row, column = row[sources], column[sources]
+        order = _sorted(row, np.arange(len(row)), self.size)
+        order = _sorted(column, order, self.size)
+        row, column, sources = row[order], column[order], sources[order]
+        first = np.flatnonzero(np.diff(row, prepend=-1) | np.diff(column, prepend=-1))
+        self.indices = row[first].astype(np.int32)
+        self.indptr = np.searchsorted(column[first], np.arange(self.size + 1)).astype(np.int32)
+        self.diagonal = np.flatnonzero(self.indices == column[first])
+        # A node without elements still has a place: a source that counts nothing.
+        counts, sources = (sources < 4 * b).astype(float), np.minimum(sources, 4 * b - 1)
+        ends = np.append(first, len(sources))
+        self.sums = csr_array((counts, sources.astype(np.int32), ends), shape=(len(first), 4 * b))
 
     def fill(
         self, at_start: np.ndarray, at_end: np.ndarray, across: np.ndarray, back: np.ndarray | None = None
     ) -> np.ndarray:
-        """Return the (nnz, ...) data of the matrix.
+        """Return the (nnz,) data of the matrix.
 
-        at_start, at_end: (b, ...) what each element adds on the diagonal at its nodes; across: (b, ...)
-        what it adds in its start's row and its end's column; back: the other way round, `across` by default.
+        at_start, at_end: (b,) what each element adds on the diagonal at its nodes; across: (b,) what it adds
+        in its start's row and its end's column; back: the other way round, `across` by default.
         """
-        diagonal = self._per_node(at_start, at_end)[self.nodes]
-        between = across[self.between]
-        values = np.concatenate((diagonal, between, between if back is None else back[self.between]))
-        if self._source is not None:
-            return values[self._source]
-        data = np.zeros((len(self.indices), *values.shape[1:]))
-        np.add.at(data, self._place, values)
-        return data
+        return self.sums @ np.concatenate((at_start, at_end, across, across if back is None else back))
+
+    def per_node(self, at_start: np.ndarray, at_end: np.ndarray) -> np.ndarray:
+        """Return the (size,) sums of what elements put at their nodes, both (b,)."""
+        sums = np.bincount(self.start, at_start, self.count) + np.bincount(self.end, at_end, self.count)
+        return sums[self.nodes]
 
     def matrix(self, data: np.ndarray) -> "csc_array":
         """Return the matrix with (nnz,) data."""
@@ -67,15 +66,22 @@ class GraphPattern:
 
         return csc_array((data, self.indices, self.indptr), shape=(self.size, self.size))
 
-    def _per_node(self, at_start: np.ndarray, at_end: np.ndarray) -> np.ndarray:
-        n = int(max(self.start.max(), self.end.max(), self.nodes[-1])) + 1
-        flat = at_start.reshape(len(at_start), -1), at_end.reshape(len(at_end), -1)
-        sums = [
-            np.bincount(self.start, flat[0][:, i], minlength=n)
-            + np.bincount(self.end, flat[1][:, i], minlength=n)
-            for i in range(flat[0].shape[1])
-        ]
-        return np.stack(sums, axis=1).reshape(n, *at_start.shape[1:])
+    def blocks(self) -> "csr_array":
+        """Return (nnz, b): where an element adds to the data, and where it takes away."""
+        from scipy.sparse import csr_array
+
+        b, source = len(self.start), self.sums.indices
+        signs = np.where(source < 2 * b, self.sums.data, -self.sums.data)
+        return csr_array((signs, source % b, self.sums.indptr), shape=(len(self.indices), b))
+
+
+def _sorted(keys: np.ndarray, order: np.ndarray, size: int) -> np.ndarray:
+    """Return `order` sorted by keys (m,) below size, equal ones as they were: in time linear in m."""
+    from scipy.sparse import coo_array
+
+    m = len(order)
+    counted = coo_array((np.ones(m, dtype=np.int8), (keys[order], np.arange(m))), shape=(size, m)).tocsr()
+    return order[counted.indices]
 
 
 class TangentPattern:
@@ -90,6 +96,8 @@ class TangentPattern:
         rows = np.arange(n) if moves is None else np.where(moves, np.cumsum(moves) - 1, -1)
         self.graph = GraphPattern(structure.start, structure.end, rows)
         self.size = self.graph.size * self.d
+        self._sums = self.graph.blocks()
+        self._upper = np.triu_indices(self.d)
         self.indices, self.indptr = self._expanded()
         columns = np.repeat(np.arange(self.size), np.diff(self.indptr))
         self.diagonal = np.flatnonzero(self.indices == columns)
@@ -97,28 +105,44 @@ class TangentPattern:
         if self._held is not None:
             self._cut = np.flatnonzero(self._held[self.indices] | self._held[columns])
 
-    def fill(self, V: np.ndarray, w: np.ndarray, q: np.ndarray, extra: np.ndarray, held: float) -> np.ndarray:
-        """Return the data of K + extra: w V V^T + q I for each element; see mechanics.tangent.
+    def fill(
+        self,
+        V: np.ndarray,
+        w: np.ndarray,
+        q: np.ndarray,
+        shift: np.ndarray | float = 0.0,
+        pins: Sequence[tuple[int, np.ndarray]] = (),
+        held: float = 1.0,
+    ) -> np.ndarray:
+        """Return the data of K + shift: w V V^T + q I for each element; see mechanics.tangent.
 
-        V: (d, b), w and q: (b,), extra: (rows, d, d) diagonal blocks.
+        V: (d, b), w and q: (b,), shift: (rows,); pins: rows and (d, d) blocks to add to their diagonals.
         """
-        blocks = np.einsum("b,ib,jb->bij", w, V, V)
-        blocks += q[:, None, None] * np.eye(self.d)
-        data = self.graph.fill(blocks, blocks, -blocks)
-        data[self.graph.diagonal] += extra
-        data = data.reshape(-1)[self._order]
+        i, j = self._upper
+        wV, trace = w * V, np.flatnonzero(i == j)
+        blocks = np.empty((len(q), len(i)))
+        for place, (a, c) in enumerate(zip(i, j, strict=True)):
+            blocks[:, place] = wV[a] * V[c]
+        blocks[:, trace] += q[:, None]
+        sums = self._sums @ blocks
+        sums[self.graph.diagonal[:, None], trace] += np.reshape(shift, (-1, 1))
+        for row, block in pins:
+            sums[self.graph.diagonal[row]] += block[i, j]
+        data = sums.reshape(-1)[self._order]
         if self._held is not None:
             data[self._cut] = 0.0
             data[self.diagonal[self._held]] = held
         return data
 
     def _expanded(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return indices and indptr of the scalar matrix and remember the order of block entries."""
+        """Return indices and indptr of the scalar matrix and remember where its entries stand in the sums."""
         from scipy.sparse import bsr_array
 
         graph, d = self.graph, self.d
-        count = len(graph.indices)
-        numbers = np.arange(count * d * d, dtype=float).reshape(count, d, d)
+        place = np.zeros((d, d))
+        place[self._upper] = np.arange(len(self._upper[0]))
+        place = np.maximum(place, place.T)
+        numbers = np.arange(len(graph.indices))[:, None, None] * float(len(self._upper[0])) + place
         shape = (self.size, self.size)
         scalar = bsr_array((numbers, graph.indices, graph.indptr), shape=shape).tocsr()
         self._order = scalar.data.astype(np.intp)

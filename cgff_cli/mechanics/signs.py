@@ -1,7 +1,8 @@
 """The signs of the tangent stiffness: its least value apart from idle motions, and where it falls most.
 
-Dense; for small structures. Positive and negative mean beyond doubt: rounding blurs K, and a force density
-is known no better than the residual and its element's own rounding allow, over its length.
+Dense, for small structures; of large ones only what blurs them (see analysis.large). Positive and negative
+mean beyond doubt: rounding blurs K, and a force density is known no better than the residual and its
+element's own rounding allow, over its length.
 """
 
 from math import sqrt
@@ -10,7 +11,6 @@ import numpy as np
 
 from cgff_cli.mechanics.elements import EPS
 from cgff_cli.mechanics.norms import norm
-from cgff_cli.mechanics.rigid import idle_motions
 from cgff_cli.mechanics.state import State
 
 BLUR = 1e-14
@@ -26,9 +26,19 @@ its sign on the way to the exact equilibrium, with room to spare (2 would do).""
 
 def blurred(K: np.ndarray, state: State) -> float:
     """Return the size below which rounding leaves an eigenvalue of K no sign, were the forces in balance."""
+    return BLUR * sqrt(len(K)) * norm(K) + _own_rounding(state)
+
+
+def blurred_at_most(state: State) -> float:
+    """Return the same of a sparse K, from the largest sum of stiffnesses at a node, which bounds its norm."""
+    return BLUR * float(state.mechanics.scale_stiffness.max()) + _own_rounding(state)
+
+
+def _own_rounding(state: State) -> float:
+    """Return how far rounding of an element's own length and place blurs its stiffness, at most."""
     m, reach = state.mechanics, float(np.abs(state.X).max(initial=0.0))
     own = m.k * (state.taut & (m.l0 > 0.0)) * (1.0 + (reach + np.abs(state.e)) / state.l)
-    return BLUR * sqrt(len(K)) * norm(K) + 4.0 * EPS * float(own.max())
+    return 4.0 * EPS * float(own.max())
 
 
 def shortest(state: State) -> float:
@@ -63,38 +73,46 @@ def steepest_fall(state: State) -> np.ndarray | None:
     return (d * np.sign(d[np.abs(d).argmax()])).reshape(state.X.shape)
 
 
-class Spectrum:
-    """Stiffnesses apart from idle rigid motions, ascending, and what of them is told.
+def idle_motions(state: State, floor: float) -> tuple[np.ndarray, bool]:
+    """Return the rigid motions that cost a balanced state nothing, (f, i), and whether that is sure.
 
-    values : (c,) eigenvalues of K; none where nothing but idle motions can happen
+    It is where rounding (floor: that of reactions), not what is left of the forces, decides which they are.
+    """
+    m, rigid = state.mechanics, state.rigid
+    if not rigid.basis.size or (m.all_free and m.F is None):
+        return rigid.basis, True
+    outer = m.structure.loads.T * (1.0 / m.frame.force)
+    if not m.all_free:
+        outer = np.where(m.structure.free.T, outer, state.pull().T)
+    blur = 0.0 if m.mask is None else state.norm + floor
+    idle = rigid.idle(outer, blur)
+    count = idle.shape[1]
+    return idle, count == 0 or count == rigid.idle(outer, min(blur, floor)).shape[1]
+
+
+class Spectrum:
+    """Stiffnesses apart from idle rigid motions, and what of them is told.
+
+    softest : the least eigenvalue of K; infinity where nothing but idle motions can happen
+    shortest : see above
     blurred, doubt : the size that rounding hides, and the size that has no sign
     is_sure        : whether rounding alone, not what is left of the forces, decides which motions are idle
     """
 
     def __init__(self, state: State, taut: np.ndarray, floor: float):
         """taut: (b,) bool, elements that resist; floor: rounding error of reactions."""
-        mechanics = state.mechanics
-        self.state, free = state, mechanics.structure.free.T
+        self.state, mechanics = state, state.mechanics
         K = state.dense_tangent(taut=taut)
         if mechanics.mask is not None:
             K = K[np.ix_(mechanics.dofs, mechanics.dofs)]
         self.blurred = blurred(K, state)
-        self.doubt = self.blurred + 4.0 * state.norm / shortest(state)
-        outer = mechanics.structure.loads.T / mechanics.frame.force
-        if not mechanics.all_free:
-            outer = np.where(free, outer, state.pull().T)
-        everywhere, blur = (
-            mechanics.everywhere(state.X),
-            0.0 if mechanics.mask is None else state.norm + floor,
-        )
-        idle = idle_motions(everywhere, free, outer, blur)
-        self.is_sure = idle.shape[1] in (0, idle_motions(everywhere, free, outer, min(blur, floor)).shape[1])
-        stiffest = norm(K)
-        K -= idle @ (idle.T @ K)
-        K -= (K @ idle) @ idle.T
-        K += 2.0 * stiffest * (idle @ idle.T)
-        self.K, self.count = K, len(K) - idle.shape[1]
-        self.values = np.linalg.eigvalsh(K)[: self.count]
+        self.shortest = shortest(state)
+        self.doubt = self.blurred + 4.0 * state.norm / self.shortest
+        R, self.is_sure = idle_motions(state, floor)
+        if R.size:  # K R is no more than what is left of the forces: R above all else leaves the rest alone
+            K += (2.0 * norm(K) * R) @ R.T
+        self.K, self.count = K, len(K) - R.shape[1]
+        self.softest = float(np.linalg.eigvalsh(K)[0]) if self.count else float("inf")
 
     def newton_steps(self) -> list[np.ndarray]:
         """Return Newton steps, (d, m), along all that has stiffness beyond rounding, and beyond doubt."""

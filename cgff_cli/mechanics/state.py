@@ -12,6 +12,7 @@ from cgff_cli.mechanics.connectivity import connectivity
 from cgff_cli.mechanics.equilibrium import internal_forces
 from cgff_cli.mechanics.frame import Frame, frame_of
 from cgff_cli.mechanics.norms import largest, norm
+from cgff_cli.mechanics.rigid import RigidMotions
 from cgff_cli.structure import Structure
 
 
@@ -75,8 +76,7 @@ class Mechanics:
     @cached_property
     def nodal_stiffness(self) -> np.ndarray:
         """(m,) total stiffness of each moving node's elements, slack or not."""
-        s = self.structure
-        own = np.bincount(s.start, self.k, len(s.free)) + np.bincount(s.end, self.k, len(s.free))
+        own = self.structure.at_nodes(self.k)
         return own if self.moves is None else own[self.moves]
 
     @cached_property
@@ -150,6 +150,11 @@ class State:
         """(d, m) gradient of eq. (10), H^T eta = K g, eq. (12)."""
         return self.tangent_times(self.g)
 
+    @cached_property
+    def rigid(self) -> RigidMotions:
+        """The rigid motions that supports allow."""
+        return RigidMotions(self.mechanics.everywhere(self.X), self.mechanics.structure.free.T)
+
     @property
     def taut(self) -> np.ndarray:
         """(b,) bool, not slack."""
@@ -165,7 +170,7 @@ class State:
         """Largest coordinate, length and extension added up: what rounding is relative to."""
         return largest(self.mechanics.everywhere(self.X)) + largest(self.l) + largest(self.e)
 
-    @property
+    @cached_property
     def rounding(self) -> np.ndarray:
         """(b,) how far rounding blurs each extension: by eps of its ends' coordinates, of l and of e."""
         reach = np.abs(self.mechanics.everywhere(self.X)).max(axis=0)
@@ -195,7 +200,7 @@ class State:
 
         q: (b,) nonnegative force densities to use in place of the state's own; taut: (b,) bool, likewise.
         """
-        return tangent.dense(self.mechanics.connectivity, self.parts(q, taut), self.mechanics.mask)
+        return tangent.stiffness_matrix(self.mechanics.connectivity, self.parts(q, taut), self.mechanics.mask)
 
     def pull(self) -> np.ndarray:
         """Return U q, (n, d), at all nodes, those that do not move included, in the frame's units."""

@@ -49,7 +49,7 @@ def _axes(d: int) -> tuple[np.ndarray, np.ndarray]:
     return rows, columns
 
 
-def dense(connectivity: Connectivity, parts: Parts, mask: np.ndarray | None) -> np.ndarray:
+def stiffness_matrix(connectivity: Connectivity, parts: Parts, mask: np.ndarray | None) -> np.ndarray:
     """Return K, (d m, d m), axis by axis, eq. (11).
 
     mask: (d, m) 1 in free directions, 0 in held ones, which keep only 1 on the diagonal; None for all free.

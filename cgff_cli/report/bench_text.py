@@ -1,12 +1,13 @@
 """The rows of a bench for the terminal: a block per case, and what all of them say together."""
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from rich.console import RenderableType
 from rich.text import Text
 
+from cgff_cli.report.cells import column, stabilities, verdicts
 from cgff_cli.report.terminal import (
     Column,
     aligned,
@@ -15,8 +16,8 @@ from cgff_cli.report.terminal import (
     duration,
     fields,
     rendered,
-    verdict_words,
 )
+from cgff_cli.study.machine import Row
 
 SHOWN = ("1e-04", "1e-08", "1e-12")
 """Tolerances to which the table shows times."""
@@ -26,20 +27,18 @@ TOLD_THE_ANSWER = ("fdm", "schek")
 
 _NAMED = 5
 
-Rows = Sequence[Mapping[str, Any]]
 
-
-def case_text(rows: Rows, *, terminal: bool, colour: bool | None = None) -> str:
+def case_text(rows: Sequence[Row], *, terminal: bool, colour: bool | None = None) -> str:
     """Return the block of one case: a line per method; terminal: wrap it."""
     return rendered(_case(rows), terminal, colour)
 
 
-def summary_text(rows: Rows, *, terminal: bool, colour: bool | None = None) -> str:
+def all_cases_text(rows: Sequence[Row], *, terminal: bool, colour: bool | None = None) -> str:
     """Return a line per method over all cases, and what is to be told of them."""
     return rendered(_summary(rows), terminal, colour)
 
 
-def first_to(rows: Rows, tolerance: str) -> str | None:
+def first_to(rows: Sequence[Row], tolerance: str) -> str | None:
     """Return the method of one case that is first within a tolerance, None where none gets there.
 
     A balance that is not stable is no answer, nor is one that the method was told.
@@ -54,20 +53,20 @@ def first_to(rows: Rows, tolerance: str) -> str | None:
     return min(times, key=lambda method: times[method], default=None)
 
 
-def seconds_to(row: Mapping[str, Any], tolerance: str) -> float | None:
+def seconds_to(row: Row, tolerance: str) -> float | None:
     """Return the time of a row to a tolerance, None where it was never reached."""
     return (row["reached"].get(tolerance) or {}).get("seconds")
 
 
-def by_case(rows: Rows) -> dict[tuple[str | None, str], list[Mapping[str, Any]]]:
+def by_case(rows: Sequence[Row]) -> dict[tuple[str | None, str], list[Row]]:
     """Return the rows of each case, by suite and name, in order."""
-    cases: dict[tuple[str | None, str], list[Mapping[str, Any]]] = {}
+    cases: dict[tuple[str | None, str], list[Row]] = {}
     for row in rows:
         cases.setdefault((row["suite"], row["case"]), []).append(row)
     return cases
 
 
-def _case(rows: Rows) -> Iterator[RenderableType]:
+def _case(rows: Sequence[Row]) -> Iterator[RenderableType]:
     first = rows[0]
     size = "no scene"
     if first["nodes"] is not None:
@@ -77,34 +76,28 @@ def _case(rows: Rows) -> Iterator[RenderableType]:
     judged = {True: ", as expected", False: ", not as expected", None: ""}
     word = next((row["as_expected"] for row in rows if row["as_expected"] is not None), None)
     yield Text.assemble((clean(first["case"]), "bold"), "  ", (size + judged[word], "dim"))
-    verdicts = [verdict_words(row["verdict"]) for row in rows]
-    stable = {True: "stable", False: "not stable", None: "-"}
     yield from aligned(
         [
-            Column("method", [row["method"] for row in rows]),
-            Column("verdict", [words for words, _ in verdicts], styles=[style for _, style in verdicts]),
-            Column("stability", [stable[row["stable"]] for row in rows]),
-            _column("residual", rows, "residual_relative", "{:.1e}".format),
-            _column("shape", rows, "shape_error", "{:.1e}".format),
-            _column("iterations", rows, "iterations", str),
+            Column("method", _of(rows, "method")),
+            verdicts(_of(rows, "verdict")),
+            stabilities(_of(rows, "stable")),
+            column("residual", _of(rows, "residual_relative"), "{:.1e}".format),
+            column("shape", _of(rows, "shape_error"), "{:.1e}".format),
+            column("iterations", _of(rows, "iterations")),
             *(
-                Column(f"to {tolerance}", [_cell(seconds_to(row, tolerance), duration) for row in rows], True)
-                for tolerance in SHOWN
+                column(f"to {within}", [seconds_to(row, within) for row in rows], duration)
+                for within in SHOWN
             ),
         ]
     )
     yield Text("")
 
 
-def _column(title: str, rows: Rows, name: str, text: Callable[[Any], str]) -> Column:
-    return Column(title, [_cell(row[name], text) for row in rows], True)
+def _of(rows: Sequence[Row], name: str) -> list[Any]:
+    return [row[name] for row in rows]
 
 
-def _cell(value: Any, text: Callable[[Any], str]) -> str:
-    return "-" if value is None else text(value)
-
-
-def _summary(rows: Rows) -> Iterator[RenderableType]:
+def _summary(rows: Sequence[Row]) -> Iterator[RenderableType]:
     cases = by_case(rows)
     methods = list(dict.fromkeys(row["method"] for row in rows))
     own = {method: [row for row in rows if row["method"] == method] for method in methods}
@@ -126,7 +119,7 @@ def _summary(rows: Rows) -> Iterator[RenderableType]:
     yield fields(remarks(rows))
 
 
-def remarks(rows: Rows) -> Iterator[tuple[str, str]]:
+def remarks(rows: Sequence[Row]) -> Iterator[tuple[str, str]]:
     """Yield what all rows say together: about expectations, and about answers of one energy."""
     cases = by_case(rows)
     yield "measured", f"{count(len(cases), 'case')}, {count(len(rows), 'row')}"

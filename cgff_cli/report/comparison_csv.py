@@ -3,12 +3,12 @@
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from cgff_cli.comparison.record import Comparison, Method
 from cgff_cli.report.csv_out import columns
+from cgff_cli.study.record import WRITTEN, Comparison
 
 SCALARS = tuple(
     name
-    for name in Method._fields
+    for name in WRITTEN
     if name not in ("message", "nodes", "lengths", "force_densities", "curve", "shape_curve")
 )
 

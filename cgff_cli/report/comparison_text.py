@@ -1,6 +1,6 @@
 """A comparison as a page for the terminal: what each method found, where it differs, how fast it came."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -8,7 +8,7 @@ import numpy as np
 from rich.console import RenderableType
 from rich.text import Text
 
-from cgff_cli.comparison.record import Comparison, Method
+from cgff_cli.report.cells import column, stabilities, verdicts
 from cgff_cli.report.table import FEW
 from cgff_cli.report.terminal import (
     Column,
@@ -21,6 +21,7 @@ from cgff_cli.report.terminal import (
     rendered,
     verdict_words,
 )
+from cgff_cli.study.record import Comparison, Method
 
 ALIGNMENTS = {
     "rigid": "nearest rigid motion, mirror image allowed",
@@ -28,6 +29,14 @@ ALIGNMENTS = {
     "none": "as it is",
 }
 """How a method's shape was laid over CGFF's, in words."""
+
+DIFFERENCES = {
+    "nodes": "max_node_difference",
+    "lengths": "max_length_difference",
+    "force densities": "max_force_density_difference",
+    "all distances": "distance_matrix_difference",
+}
+"""Title of a column -> the field it shows."""
 
 
 def comparison_text(
@@ -43,7 +52,7 @@ def comparison_text(
 
 
 def _page(comparison: Comparison, full: bool) -> Iterator[RenderableType]:
-    shown = [method for method in comparison.methods if method.nodes is not None]
+    shown = [method for method in comparison.methods if method.X is not None]
     yield Text.assemble((clean(comparison.source.name), "bold"), "  ", (_size(comparison), "dim"))
     yield Text("")
     yield from aligned(list(_outcomes(comparison.methods)))
@@ -69,47 +78,33 @@ def _size(comparison: Comparison) -> str:
 
 
 def _outcomes(methods: Sequence[Method]) -> Iterator[Column]:
-    verdicts = [verdict_words(method.verdict) for method in methods]
-    yield Column("method", [method.name for method in methods])
-    yield Column("verdict", [words for words, _ in verdicts], styles=[style for _, style in verdicts])
-    stable = {True: "stable", False: "not stable", None: "-"}
-    yield Column("stability", [stable[method.stable] for method in methods])
-    yield _column("residual", methods, "residual_relative", "{:.1e}".format)
-    yield _column("energy", methods, "energy", number)
-    yield _column("iterations", methods, "iterations", str)
-    yield _column("evaluations", methods, "evaluations", str)
-    yield _column("time", methods, "seconds", duration)
+    yield Column("method", _of(methods, "name"))
+    yield verdicts(_of(methods, "verdict"))
+    yield stabilities(_of(methods, "stable"))
+    yield column("residual", _of(methods, "residual_relative"), "{:.1e}".format)
+    yield column("energy", _of(methods, "energy"), number)
+    yield column("iterations", _of(methods, "iterations"))
+    yield column("evaluations", _of(methods, "evaluations"))
+    yield column("time", _of(methods, "seconds"), duration)
 
 
 def _differences(methods: Sequence[Method]) -> Iterator[Column]:
-    yield Column("against cgff", [method.name for method in methods])
+    yield Column("against cgff", _of(methods, "name"))
     yield Column("laid over it by", [ALIGNMENTS[method.alignment] for method in methods])
-    for title, name in (
-        ("nodes", "max_node_difference"),
-        ("lengths", "max_length_difference"),
-        ("force densities", "max_force_density_difference"),
-        ("all distances", "distance_matrix_difference"),
-    ):
-        yield _column(title, methods, name, "{:.1e}".format)
+    for title, name in DIFFERENCES.items():
+        yield column(title, _of(methods, name), "{:.1e}".format)
 
 
-def _column(title: str, methods: Sequence[Method], name: str, text: Callable[[Any], str]) -> Column:
-    return Column(title, [_cell(getattr(method, name), text) for method in methods], True)
-
-
-def _cell(value: Any, text: Callable[[Any], str]) -> str:
-    return "-" if value is None else text(value)
+def _of(methods: Sequence[Method], name: str) -> list[Any]:
+    return [getattr(method, name) for method in methods]
 
 
 def _coordinates(comparison: Comparison, shown: Sequence[Method]) -> Iterator[RenderableType]:
     """Yield one table per axis: a row per node, a column per method."""
     names = comparison.source.node_names
-    shapes = [np.array([(method.nodes or {})[name] for name in names]) for method in shown]
+    shapes = [(method.name, method.X) for method in shown if method.X is not None]
     for k, axis in enumerate("xyz"[: comparison.source.dimension]):
-        columns = [
-            Column(method.name, numbers(X[:, k].tolist()), True)
-            for method, X in zip(shown, shapes, strict=True)
-        ]
+        columns = [Column(name, numbers(X[:, k].tolist()), True) for name, X in shapes]
         yield from aligned([Column(axis, [clean(name) for name in names]), *columns])
         yield Text("")
 
@@ -144,13 +139,13 @@ def _labels(comparison: Comparison, title: str) -> Iterator[Column]:
 
 def _values(shown: Sequence[Method], name: str) -> Iterator[Column]:
     for method in shown:
-        yield Column(method.name, numbers(getattr(method, name)), True)
+        yield Column(method.name, numbers(getattr(method, name).tolist()), True)
 
 
 def _span(method: Method, rows: slice) -> str:
     """Return `least .. largest`, or one value where they look the same."""
-    values = (method.force_densities or [])[rows]
-    low, high = numbers([min(values), max(values)])
+    values = np.asarray(method.force_densities)[rows]
+    low, high = numbers([float(values.min()), float(values.max())])
     return high if low == high else f"{low} .. {high}"
 
 

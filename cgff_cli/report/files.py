@@ -2,19 +2,22 @@
 
 import io
 import os
+import re
 import stat
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from typing import IO, Any
 
 from cgff_cli.errors import CgffError
 
 STDOUT = "-"
 
-_HELD_OPEN = ("/dev/stdin", "/dev/stdout", "/dev/stderr", "/dev/fd/", "/proc/self/fd/")
+_HELD_OPEN = re.compile(r"/dev/std(in|out|err)|/(?:dev|proc/self)/fd/(\d+)")
+_NUMBERS = {"in": 0, "out": 1, "err": 2}
 
 # Lone surrogates, which UTF-8 cannot hold, come out as \udXXX: in JSON that is their proper escape.
-_TEXT = {"encoding": "utf-8", "errors": "backslashreplace", "newline": "\n"}
+_TEXT: dict[str, Any] = {"encoding": "utf-8", "errors": "backslashreplace", "newline": "\n"}
 
 
 def write_output(path: str, chunks: Iterable[str]) -> None:
@@ -24,37 +27,19 @@ def write_output(path: str, chunks: Iterable[str]) -> None:
     older file as it was. Devices and pipes cannot be replaced and are written straight.
     Raises CgffError when the system refuses, BrokenPipeError when a reader has gone.
     """
-    try:
-        if path == STDOUT:
-            _write_stdout(chunks)
-        elif is_stream(path):
-            with open(path, "w", **_TEXT) as out:  # type: ignore[call-overload]
-                out.writelines(chunks)
-        else:
-            _write_whole(os.path.realpath(path), chunks)
-    except BrokenPipeError:
-        raise
-    except OSError as error:
-        name = "standard output" if path == STDOUT else path
-        raise CgffError(f"{name}: cannot be written: {error.strerror or error}") from error
+    with _opened(path, "w", **_TEXT) as out:
+        out.writelines(chunks)
 
 
 def write_bytes(path: str, data: bytes) -> None:
-    """Write a picture to a file, whole or not at all; raises CgffError when the system refuses."""
-    try:
-        if is_stream(path):
-            with open(path, "wb") as out:
-                out.write(data)
-        else:
-            with _in_place_once_complete(os.path.realpath(path)) as handle, open(handle, "wb") as out:
-                out.write(data)
-    except OSError as error:
-        raise CgffError(f"{path}: cannot be written: {error.strerror or error}") from error
+    """Write a picture to a file, whole or not at all; raises as `write_output` does."""
+    with _opened(path, "wb") as out:
+        out.write(data)
 
 
 def is_stream(path: str) -> bool:
     """Tell whether a path names a device or a pipe, such as /dev/stdout or a shell's >(...)."""
-    if path.startswith(_HELD_OPEN):
+    if _held_open(path) is not None:
         return True  # a redirected /dev/stdout is a regular file to stat, yet the shell holds it open
     try:
         mode = os.stat(path).st_mode
@@ -83,20 +68,36 @@ def check_target(path: str) -> None:
         raise CgffError(f"{path}: cannot be written: it is read-only")
 
 
-def _write_stdout(chunks: Iterable[str]) -> None:
-    if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(**_TEXT)  # type: ignore[arg-type]
-    for chunk in chunks:
-        sys.stdout.write(chunk)
-    sys.stdout.flush()
+def _held_open(path: str) -> int | None:
+    """Return the number of an open file that a path such as /dev/stdout stands for."""
+    named = _HELD_OPEN.fullmatch(path)
+    return None if named is None else _NUMBERS[named[1]] if named[1] else int(named[2])
 
 
-def _write_whole(target: str, chunks: Iterable[str]) -> None:
-    with (
-        _in_place_once_complete(target) as handle,
-        open(handle, "w", **_TEXT) as out,  # type: ignore[call-overload]
-    ):
-        out.writelines(chunks)
+@contextmanager
+def _opened(path: str, mode: str, **how: Any) -> Iterator[IO[Any]]:
+    """Give what is to be written, and say in words what the system refuses."""
+    number = _held_open(path)
+    try:
+        if path == STDOUT:
+            if isinstance(sys.stdout, io.TextIOWrapper):
+                sys.stdout.reconfigure(**how)
+            yield sys.stdout
+            sys.stdout.flush()
+        elif number is not None:  # opened by name again, a closed one would take anything and tell nobody
+            with open(os.dup(number), mode, **how) as out:
+                yield out
+        elif is_stream(path):
+            with open(path, mode, **how) as out:
+                yield out
+        else:
+            with _in_place_once_complete(os.path.realpath(path)) as handle, open(handle, mode, **how) as out:
+                yield out
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        name = "standard output" if path == STDOUT else path
+        raise CgffError(f"{name}: cannot be written: {error.strerror or error}") from error
 
 
 @contextmanager

@@ -7,15 +7,12 @@ and `line`, everything on one line, for JSON lines.
 import json
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from itertools import chain, islice, repeat
-from json.encoder import encode_basestring
 from typing import Any, NamedTuple
 
-from cgff_cli.report.columns import Block, element_blocks, node_blocks
-from cgff_cli.report.result import FIELDS, Result
+from cgff_cli.report.columns import element_blocks, node_blocks
+from cgff_cli.result import FIELDS, Result
 
 _SMALL = 4  # an object of at most this many entries stays on one line
-_BATCH = 1024
 _TABLES = ("groups", "nodes", "elements", "reactions", "history")
 
 
@@ -49,30 +46,26 @@ def result_fields(result: Result) -> Iterator[tuple[str, Any]]:
 
 def array(records: Iterable[Mapping[str, Any]]) -> Iterator[str]:
     """Yield an array of objects, one per line."""
-    yield from _rows(Rows("[]", map(encode, records)), ",", "\n", "\n  ")
-    yield "\n"
+    return _array(map(encode, records))
 
 
-def elements(result: Result) -> Iterator[str]:
+def element_records(result: Result) -> Iterator[str]:
     """Yield the array of element records, one per line."""
-    yield from _rows(Rows("[]", element_rows(result)), ",", "\n", "\n  ")
-    yield "\n"
+    return _array(element_rows(result))
 
 
 def node_rows(result: Result) -> Iterator[str]:
     """Yield `"name": [x, y(, z)]` for every node."""
     for block in node_blocks(result):
-        names, *axes = map(_texts, block.values())
-        parts: list[str | list[str]] = [names]
-        for before, axis in zip(chain([": ["], repeat(", ")), axes, strict=False):
-            parts += [before, axis]
-        yield from _joined([*parts, "]"])
+        for name, *position in zip(*block.values(), strict=True):
+            yield f"{encode(name)}: {encode(position)}"
 
 
 def element_rows(result: Result) -> Iterator[str]:
     """Yield one object per element."""
     for block in element_blocks(result):
-        yield from _records(block)
+        for values in zip(*block.values(), strict=True):
+            yield encode(dict(zip(block, values, strict=True)))
 
 
 def encode(value: Any) -> str:
@@ -83,29 +76,9 @@ def encode(value: Any) -> str:
         return _encode(_finite(value))
 
 
-def _records(block: Block) -> Iterator[str]:
-    """Return the objects of a block of elements."""
-    parts: list[str | list[str]] = []
-    for before, (name, values) in zip(chain("{", repeat(", ")), block.items(), strict=False):
-        parts.append(f'{before}"{name}": ')
-        parts.append(_texts(values))
-    return _joined([*parts, "}"])
-
-
-def _joined(parts: list[str | list[str]]) -> Iterator[str]:
-    """Return one text per row of columns (lists) and of what stands between them (text)."""
-    columns = (repeat(part) if isinstance(part, str) else part for part in parts)
-    return map("".join, zip(*columns, strict=False))  # a third of the time % takes
-
-
-def _texts(values: list[Any]) -> list[str]:
-    """Return the JSON text of each value of a column; columns at once are twice as fast as rows."""
-    first = values[0]
-    if (first or first is False) and values.count(first) == len(values):  # no zeros: 0.0 equals -0.0
-        return [encode(first)] * len(values)
-    if isinstance(first, str):
-        return list(map(encode_basestring, values))
-    return encode(values)[1:-1].split(", ")
+def _array(entries: Iterator[str]) -> Iterator[str]:
+    yield from _rows(Rows("[]", entries), ",", "\n", "\n  ")
+    yield "\n"
 
 
 def _object(
@@ -125,13 +98,11 @@ def _object(
 
 
 def _rows(rows: Rows, comma: str, outer: str, inner: str) -> Iterator[str]:
-    entries = iter(rows.entries)
-    before = rows.brackets[0] + inner
-    empty = True
-    while batch := list(islice(entries, _BATCH)):
-        yield before + (comma + inner).join(batch)
-        before, empty = comma + inner, False
-    yield rows.brackets if empty else outer + rows.brackets[1]
+    before = opened = rows.brackets[0] + inner
+    for entry in rows.entries:
+        yield before + entry
+        before = comma + inner
+    yield rows.brackets if before is opened else outer + rows.brackets[1]
 
 
 def _as_rows(name: str, value: Any) -> Rows | None:

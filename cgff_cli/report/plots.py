@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from importlib.util import find_spec
 from typing import Any
 
-from cgff_cli.comparison.record import Comparison
 from cgff_cli.errors import OptionError
 from cgff_cli.report.files import write_bytes
+from cgff_cli.study.record import Comparison
 
 WIDTH, HEIGHT = 11.0, 4.2
 """Inches of a row of two diagrams."""

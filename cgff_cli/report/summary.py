@@ -1,26 +1,43 @@
-"""Many results as one table for the terminal, a row per scene."""
+"""Many results, a row per scene: as one table for the terminal, as CSV, as lines of JSON."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
-from cgff_cli.report.terminal import Column, aligned, clean, duration, rendered, verdict_words
+from cgff_cli.study.machine import Row
+from cgff_cli.study.scenes import SUMMARY
 
 
-def summary_text(rows: Iterable[Mapping[str, Any]], *, terminal: bool, colour: bool | None = None) -> str:
+def summary_csv(rows: Sequence[Row]) -> Iterator[str]:
+    """Yield the rows as CSV; what a scene without a result lacks is an empty cell."""
+    from cgff_cli.report.csv_out import columns
+
+    return columns({name: [row.get(name) for row in rows] for name in SUMMARY})
+
+
+def summary_lines(rows: Iterable[Row]) -> Iterator[str]:
+    """Yield the rows as JSON, an object a line; what a scene without a result lacks is null."""
+    from cgff_cli.report.json_out import line
+
+    for row in rows:
+        yield from line((name, row.get(name)) for name in SUMMARY)
+
+
+def summary_text(rows: Sequence[Row], *, terminal: bool, colour: bool | None = None) -> str:
     """Return the summary table; a row of a scene without a result has `scene` and `verdict` only."""
-    return rendered(aligned(list(_columns(list(rows)))), terminal, colour)
+    from cgff_cli.report.cells import column, verdicts
+    from cgff_cli.report.terminal import Column, aligned, clean, duration, rendered
 
+    def of(name: str) -> list[Any]:
+        """Return one field of all rows."""
+        return [row.get(name) for row in rows]
 
-def _columns(rows: list[Mapping[str, Any]]) -> Iterator[Column]:
-    verdicts = [verdict_words(row["verdict"]) for row in rows]
-    yield Column("scene", [clean(row["scene"]) for row in rows])
-    yield Column("verdict", [words for words, _ in verdicts], styles=[style for _, style in verdicts])
-    yield Column("stability", _cells(rows, "stability", str))
-    yield Column("residual", _cells(rows, "residual_relative", "{:.1e}".format), True)
-    yield Column("iterations", _cells(rows, "iterations", str), True)
-    yield Column("elements", _cells(rows, "elements", str), True)
-    yield Column("time", _cells(rows, "seconds", duration), True)
-
-
-def _cells(rows: list[Mapping[str, Any]], name: str, text: Callable[[Any], str]) -> list[str]:
-    return ["-" if row.get(name) is None else text(row[name]) for row in rows]
+    table = [
+        Column("scene", list(map(clean, of("scene")))),
+        verdicts(of("verdict")),
+        column("stability", of("stability"), to_the_right=False),
+        column("residual", of("residual_relative"), "{:.1e}".format),
+        column("iterations", of("iterations")),
+        column("elements", of("elements")),
+        column("time", of("seconds"), duration),
+    ]
+    return rendered(aligned(table), terminal, colour)

@@ -1,13 +1,13 @@
 """One result as a page for the terminal."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
 from rich.console import RenderableType
 from rich.text import Text
 
-from cgff_cli.report.result import Result
+from cgff_cli.report.cells import column
 from cgff_cli.report.terminal import (
     Column,
     aligned,
@@ -20,6 +20,7 @@ from cgff_cli.report.terminal import (
     rendered,
     verdict_words,
 )
+from cgff_cli.result import Result
 
 FEW = 30
 """Lists longer than this are summarised unless asked for in full."""
@@ -81,17 +82,17 @@ def _change(result: Result) -> str:
 
 def analysis_words(analysis: dict[str, Any]) -> str:
     """Return what the analysis found, in words; what was not computed is left out."""
-    words = []
-    if analysis.get("self_stress_states") is not None:
-        words.append(count(analysis["self_stress_states"], "state of self-stress", "states of self-stress"))
-    if analysis.get("mechanisms") is not None:
-        words.append(count(analysis["mechanisms"], "mechanism"))
-    if analysis.get("stability"):
-        words.append(str(analysis["stability"]))
-    if analysis.get("super_stable"):
-        words.append("super-stable")
-    if analysis.get("prestressed") is False:
-        words.append("no prestress")
+    words = [
+        count(analysis[name], *nouns)
+        for name, *nouns in (
+            ("self_stress_states", "state of self-stress", "states of self-stress"),
+            ("mechanisms", "mechanism"),
+        )
+        if analysis.get(name) is not None
+    ]
+    words += [str(analysis["stability"])] if analysis.get("stability") else []
+    words += ["super-stable"] if analysis.get("super_stable") else []
+    words += ["no prestress"] if analysis.get("prestressed") is False else []
     words += _listed(analysis, "slack_cables", "slack_count", "slack cable")
     words += _listed(
         analysis, "struts_in_tension", "struts_in_tension_count", "strut in tension", "struts in tension"
@@ -110,61 +111,61 @@ def _listed(analysis: dict[str, Any], key: str, count_key: str, singular: str, p
 
 
 def _nodes(result: Result, full: bool) -> Iterator[RenderableType]:
-    X, axes = result.coordinates, "xyz"[: result.source.dimension]
+    X = result.coordinates
+    ends = zip(X.min(axis=0), X.max(axis=0), strict=True)
     if full or len(X) <= FEW:
-        yield from aligned([_names("node", result.source.node_names), *_axes(X, axes)])
-        return
-    low, high = X.min(axis=0), X.max(axis=0)
-    spans = [f"{axis} {number(a)} .. {number(b)}" for axis, a, b in zip(axes, low, high, strict=True)]
-    yield fields([("nodes", ", ".join(spans))])
+        yield from _vectors("node", result.source.node_names, X)
+    else:
+        yield fields([("nodes", _by_axis(f"{number(low)} .. {number(high)}" for low, high in ends))])
 
 
 def _reactions(result: Result, full: bool) -> Iterator[RenderableType]:
     reactions = result.reactions
     values = np.array(list(reactions.values()))
-    axes = "xyz"[: result.source.dimension]
     if full or len(values) <= FEW:
         yield Text("")
-        yield from aligned([_names("reaction", tuple(reactions)), *_axes(values, axes)])
-        return
-    total = zip(axes, values.sum(axis=0), strict=True)
-    yield fields([("reactions", "sum " + ", ".join(f"{axis} {number(value)}" for axis, value in total))])
+        yield from _vectors("reaction", reactions, values)
+    else:
+        yield fields([("reactions", f"sum {_by_axis(map(number, values.sum(axis=0)))}")])
+
+
+def _vectors(title: str, names: Iterable[str], values: np.ndarray) -> Iterator[RenderableType]:
+    axes = zip("xyz", values.T.tolist(), strict=False)
+    return aligned([_names(title, names), *(Column(axis, numbers(own), True) for axis, own in axes)])
+
+
+def _by_axis(texts: Iterable[str]) -> str:
+    return ", ".join(f"{axis} {text}" for axis, text in zip("xyz", texts, strict=False))
 
 
 def _elements(result: Result) -> Iterator[RenderableType]:
     s, names, groups = result.structure, result.source.node_names, result.source.groups
-    yield from aligned(
+    slack = ["slack" if slack else "" for slack in result.slack.tolist()]
+    return aligned(
         [
-            Column("element", [clean(group.name) for group in groups for _ in group.EA]),
+            _names("element", (group.name for group in groups for _ in group.EA)),
             Column("kind", [group.kind for group in groups for _ in group.EA]),
-            Column("start", [clean(names[row]) for row in s.start.tolist()]),
-            Column("end", [clean(names[row]) for row in s.end.tolist()]),
+            _names("start", (names[row] for row in s.start.tolist())),
+            _names("end", (names[row] for row in s.end.tolist())),
             Column("length", numbers(result.lengths.tolist()), True),
             Column("force", numbers(result.forces.tolist()), True),
             Column("force density", numbers(result.force_densities.tolist()), True),
-            *_slack(result),
+            *([Column("", slack, styles=["yellow"] * len(slack))] if any(slack) else []),
         ],
         keys=4,
     )
 
 
-def _slack(result: Result) -> list[Column]:
-    if not result.slack.any():
-        return []
-    marks = ["slack" if slack else "" for slack in result.slack.tolist()]
-    return [Column("", marks, styles=["yellow"] * len(marks))]
-
-
 def _groups(result: Result) -> Iterator[RenderableType]:
     groups = result.groups
-    slack = [entry["slack"] for entry in groups.values()]
-    yield from aligned(
+    slack = column("slack", (entry["slack"] for entry in groups.values()))
+    return aligned(
         [
-            Column("group", [clean(name) for name in groups]),
+            _names("group", groups),
             Column("kind", [group.kind for group in result.source.groups]),
-            Column("count", [str(entry["count"]) for entry in groups.values()], True),
+            column("count", (entry["count"] for entry in groups.values())),
             *(_spans(groups, name) for name in ("length", "force", "force_density")),
-            *([Column("slack", [str(number) for number in slack], True)] if any(slack) else []),
+            *([slack] if result.slack.any() else []),
         ]
     )
 
@@ -178,9 +179,5 @@ def _spans(groups: dict[str, dict[str, Any]], name: str) -> Column:
     return Column(name.replace("_", " "), cells, True)
 
 
-def _names(title: str, names: tuple[str, ...]) -> Column:
-    return Column(title, [clean(name) for name in names])
-
-
-def _axes(values: np.ndarray, axes: str) -> list[Column]:
-    return [Column(axis, numbers(values[:, k].tolist()), True) for k, axis in enumerate(axes)]
+def _names(title: str, names: Iterable[str]) -> Column:
+    return Column(title, list(map(clean, names)))

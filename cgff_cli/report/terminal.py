@@ -3,8 +3,9 @@
 import io
 import math
 import os
+from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import islice, repeat
+from itertools import accumulate, repeat
 from typing import NamedTuple
 
 from rich.cells import cell_len
@@ -33,7 +34,6 @@ VERDICTS = {
 
 _WIDE = 10_000  # a pipe has no width: nothing is wrapped there
 _DIGITS = 6
-_BATCH = 1000
 
 
 class Column(NamedTuple):
@@ -67,53 +67,49 @@ def rendered(parts: Iterable[RenderableType], terminal: bool, colour: bool | Non
     return "".join(f"{line.rstrip(' ')}\n" for line in out.getvalue().splitlines())
 
 
-class Table:
-    """Columns as wide as their widest cells; where a screen is too narrow, some below the others.
+def wrapped(text: str, *, terminal: bool, colour: bool | None = None) -> str:
+    """Return a text wrapped at a terminal's width."""
+    return rendered([Text(text)], terminal, colour)
+
+
+class _Aligned:
+    """Titles, then rows, in columns as wide as their widest cells; on a narrow screen, some below the others.
 
     keys : how many columns name a row, and stand before every block of the others
     """
 
-    def __init__(self, columns: Sequence[Column], keys: int):
-        self.columns = [_padded(column) for column in columns]
-        self.keys = keys
+    def __init__(self, columns: Iterable[Column], keys: int):
+        padded = list(map(_padded, columns))
+        self.keys, self.others = padded[:keys], padded[keys:]
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[Text]:
-        """Yield the blocks, an empty line between them."""
-        for number, block in enumerate(_blocks(self.columns, self.keys, options.max_width)):
-            if number:
-                yield Text("")
-            yield from _block(block)
+        """Yield the keys with as many of the other columns as fit, until all have been shown."""
+        rest, room = self.others, options.max_width - sum(map(_width, self.keys))
+        while True:
+            fitting = max(bisect_right(list(accumulate(map(_width, rest))), room), 1)
+            yield from _block([*self.keys, *rest[:fitting]])
+            rest = rest[fitting:]
+            if not rest:
+                return
+            yield Text("")
 
 
-def aligned(columns: Sequence[Column], keys: int = 1) -> Iterator[Table]:
+def aligned(columns: Iterable[Column], keys: int = 1) -> Iterator[_Aligned]:
     """Yield a table: its titles, then its rows; its first columns, the keys, name the rows."""
-    yield Table(columns, keys)
+    yield _Aligned(columns, keys)
 
 
-def _blocks(columns: Sequence[Column], keys: int, width: int) -> Iterator[list[Column]]:
-    """Yield the keys with as many of the other columns as fit, until all have been shown."""
-    named = list(columns[:keys])
-    block, used = named, _screen_width(named)
-    for column in columns[keys:]:
-        wide = _screen_width([column])
-        if len(block) > keys and used + wide > width:
-            yield block
-            block, used = named, _screen_width(named)
-        block, used = [*block, column], used + wide
-    yield block
-
-
-def _screen_width(columns: Sequence[Column]) -> int:
-    return sum(2 + cell_len(column.title) for column in columns)
+def _width(column: Column) -> int:
+    return 2 + cell_len(column.title)
 
 
 def _block(columns: Sequence[Column]) -> Iterator[Text]:
     yield _unwrapped("  " + "  ".join(column.title for column in columns).rstrip(), style="bold")
     rows = zip(*(column.cells for column in columns), strict=True)
-    styles = [column.styles or repeat("") for column in columns]
-    lines = map(_line, rows, zip(*styles, strict=False))
-    while batch := list(islice(lines, _BATCH)):
-        yield _unwrapped("\n").join(batch)
+    styles = zip(*(column.styles or repeat("") for column in columns), strict=False)
+    lines = list(map(_line, rows, styles))
+    if lines:
+        yield _unwrapped("\n").join(lines)  # rich prints many lines in half the time it takes one by one
 
 
 def _unwrapped(text: str, style: str = "") -> Text:
@@ -131,8 +127,8 @@ def _line(cells: Sequence[str], styles: Sequence[str]) -> Text:
 def _padded(column: Column) -> Column:
     """Return a column whose title and cells are all of one width on the screen."""
     cells = (column.title, *column.cells)
-    widths = [cell_len(cell) for cell in cells]
-    blanks = [" " * (max(widths) - width) for width in widths]
+    width = max(map(cell_len, cells))
+    blanks = (" " * (width - cell_len(cell)) for cell in cells)
     title, *padded = (
         blank + cell if column.right else cell + blank for cell, blank in zip(cells, blanks, strict=True)
     )

@@ -11,24 +11,25 @@ import numpy as np
 
 from cgff_cli.mechanics.state import State
 from cgff_cli.rivals.task import End, Task, Unknowns
+from cgff_cli.rivals.trace import Trace
 
 LIGHTEST = 1.5
 """First mass over a node's total stiffness: three times the least that a constant stiffness asks for."""
 
-PATIENCE = 20
+PEAKS = 20
 """Peaks in a row, none below the lowest, after which the masses double."""
 
 
-def dynamic_relaxation(task: Task) -> End:
+def dynamic_relaxation(task: Task, trace: Trace) -> End:
     """Let the structure swing, stopping it at every peak of its kinetic energy; the trace ends the run."""
-    task.trace.start()
-    unknowns = Unknowns(task)
+    unknowns = Unknowns(task, trace)
     at = unknowns.mechanics.at
     state = at(unknowns.mechanics.start)
-    weight, steps, evaluations = _Weight(), 0, 1
+    steps, evaluations = 0, 1
+    factor, lowest, waited = LIGHTEST, float("inf"), 0
     unknowns.add(steps, evaluations, state)
     while True:
-        masses = weight.masses(state)
+        masses = factor * _stiffness(state)
         v = -0.5 * state.g / masses
         energy = 0.0
         while True:
@@ -43,30 +44,13 @@ def dynamic_relaxation(task: Task) -> End:
         # The peak lay between the last two steps: half way back on each (Barnes 1999).
         state = at(state.X - 1.5 * v - 0.5 * state.g / masses)
         evaluations += 1
-        weight.see(energy)
+        lowest, waited = (energy, 0) if energy < lowest else (lowest, waited + 1)
+        if waited >= PEAKS:
+            factor, lowest, waited = 2.0 * factor, float("inf"), 0
 
 
-class _Weight:
-    """Fictitious masses, and the peaks that tell whether they are heavy enough."""
-
-    def __init__(self) -> None:
-        self.factor = LIGHTEST
-        self.lowest = float("inf")
-        self.waited = 0
-
-    def masses(self, state: State) -> np.ndarray:
-        """Return (m,) masses."""
-        structure, moves = state.mechanics.structure, state.mechanics.moves
-        along = state.mechanics.k + np.maximum(state.q, 0.0)  # slack cables too: they may tighten
-        n = len(structure.free)
-        total = np.bincount(structure.start, along, n) + np.bincount(structure.end, along, n)
-        return np.asarray(self.factor * (total if moves is None else total[moves]))
-
-    def see(self, peak: float) -> None:
-        """Remember a peak of the kinetic energy."""
-        if peak < self.lowest:
-            self.lowest, self.waited = peak, 0
-            return
-        self.waited += 1
-        if self.waited >= PATIENCE:
-            self.factor, self.waited, self.lowest = 2.0 * self.factor, 0, float("inf")
+def _stiffness(state: State) -> np.ndarray:
+    """Return (m,) what the elements of each node resist with; slack cables too: they may tighten."""
+    mechanics = state.mechanics
+    total = mechanics.structure.at_nodes(mechanics.k + np.maximum(state.q, 0.0))
+    return total if mechanics.moves is None else total[mechanics.moves]

@@ -25,8 +25,10 @@ from cgff_cli.mechanics.connectivity import dense
 from cgff_cli.mechanics.equilibrium import equilibrium_matrix, force_density_matrix
 from cgff_cli.rivals.symmetry import member_classes
 from cgff_cli.rivals.task import End, Task
+from cgff_cli.rivals.trace import Trace
+from cgff_cli.structure import Structure
 
-VANISHED = 1e-13
+NULL = 1e-13
 """Eigenvalues of D, and singular values of U, are zero below this share of the largest."""
 
 NEAR = 2.0
@@ -44,25 +46,25 @@ MOST_NODES_FOR_CLASSES = 120
 
 
 class _Form(NamedTuple):
-    """What one choice of classes led to."""
+    """What one choice of classes led to; fault: why it is no form, if it is none."""
 
     X: np.ndarray
     q: np.ndarray
     fault: str
 
 
-def fdm(task: Task) -> End:
+def fdm(task: Task, trace: Trace) -> End:
     """Return a form of the task's connectivity and signs; raises CgffError where there is none."""
     n, b = len(task.structure.coordinates), len(task.structure.start)
     if max(n, b / 3) > MOST_NODES:
         raise CgffError(f"its dense matrices are not made for more than {MOST_NODES} nodes, here {n}")
-    task.trace.start()
+    trace.start()
     faults = []
     rounds = 0
     for name, classes in _classes(task):
-        for form in _rounds(task, classes):
+        for form in _rounds(task.structure, classes):
             rounds += 1
-            task.trace.add(rounds, rounds, form.X)
+            trace.add(rounds, rounds, form.X)
         if not form.fault:
             return End(form.X, "form_found", f"one force density per {name}", form.q)
         faults.append(f"{form.fault} with one force density per {name}")
@@ -72,31 +74,30 @@ def fdm(task: Task) -> End:
 def _classes(task: Task) -> Iterator[tuple[str, np.ndarray]]:
     """Yield what to call a class, and the class of every member, (b,) int."""
     structure = task.structure
-    b, n = len(structure.start), len(structure.coordinates)
+    n = len(structure.coordinates)
     yield "group", task.groups
     if n <= MOST_NODES_FOR_CLASSES:
-        signs = _prototype(structure.tension_only)
-        yield "class of like members", member_classes(structure.start, structure.end, signs, n)
-    yield "member", np.arange(b)
+        classes = member_classes(structure.start, structure.end, _prototype(structure), n)
+        yield "class of like members", classes
+    yield "member", np.arange(len(structure.start))
 
 
-def _prototype(tension_only: np.ndarray) -> np.ndarray:
-    return np.where(tension_only, 1.0, -1.0)
+def _prototype(structure: Structure) -> np.ndarray:
+    return np.where(structure.tension_only, 1.0, -1.0)
 
 
-def _rounds(task: Task, classes: np.ndarray) -> Iterator[_Form]:
+def _rounds(structure: Structure, classes: np.ndarray) -> Iterator[_Form]:
     """Yield the form after every round; the last one's fault is empty if it is one."""
-    structure = task.structure
     n, d = structure.coordinates.shape
     rho_t = dense(structure.start, structure.end, n)
-    prototype = _prototype(structure.tension_only)
+    q = prototype = _prototype(structure)
     spread = _spread(classes)
-    q = prototype
     for _ in range(MOST_ROUNDS):
-        X, left = coordinates(force_density_matrix(rho_t, q), d)
-        stresses = equilibrium_matrix(rho_t, X.T @ rho_t) @ spread
-        if left <= VANISHED:
-            yield _Form(X, q, _fault(X, rho_t, q, prototype, stresses))
+        X, left = unit_coordinates(force_density_matrix(rho_t, q), d)
+        V = X.T @ rho_t
+        stresses = equilibrium_matrix(rho_t, V) @ spread
+        if left <= NULL:
+            yield _Form(X, q, _fault(V, q * prototype, stresses))
             return
         yield _Form(X, q, f"{left:.0e} of the rank of D left after {MOST_ROUNDS} rounds")
         q = spread @ _nearest(stresses, spread.T @ prototype)
@@ -110,7 +111,7 @@ def _spread(classes: np.ndarray) -> np.ndarray:
     return spread / np.sqrt(spread.sum(axis=0))
 
 
-def coordinates(D: np.ndarray, d: int) -> tuple[np.ndarray, float]:
+def unit_coordinates(D: np.ndarray, d: int) -> tuple[np.ndarray, float]:
     """Return (n, m) coordinates of unit spread and the largest of the d least eigenvalues, relative.
 
     The constant vector, of eigenvalue 0, is set apart: where D has negative eigenvalues it need not be
@@ -131,16 +132,14 @@ def _nearest(stresses: np.ndarray, prototype: np.ndarray) -> np.ndarray:
     sizes[: len(singular)] = singular
     share = rows @ prototype
     seen = np.abs(share) > BLIND * np.linalg.norm(prototype)
-    near = seen & (sizes <= max(NEAR * float(sizes[seen].min()), VANISHED * float(sizes.max())))
+    near = seen & (sizes <= max(NEAR * float(sizes[seen].min()), NULL * float(sizes.max())))
     return np.asarray(rows[near].T @ share[near])
 
 
-def _fault(
-    X: np.ndarray, rho_t: np.ndarray, q: np.ndarray, prototype: np.ndarray, stresses: np.ndarray
-) -> str:
-    """Return why a D of nullity d + 1 is no form after all, or nothing."""
-    lengths = np.linalg.norm(X.T @ rho_t, axis=0)
-    if (q * prototype <= 0.0).any():
+def _fault(V: np.ndarray, signed: np.ndarray, stresses: np.ndarray) -> str:
+    """Return why a D of nullity d + 1 is no form after all, or nothing; signed: q, > 0 of the right sign."""
+    lengths = np.linalg.norm(V, axis=0)
+    if (signed <= 0.0).any():
         return "some member has the wrong sign"
     if lengths.min() <= 1e-6 * lengths.max():
         return "the ends of some member coincide"

@@ -11,30 +11,27 @@ from cgff_cli.rivals.task import Rival
 
 
 class Entry(NamedTuple):
-    """A method: its function, what it is, and how its answer is laid over CGFF's.
+    """A method: its function, how it ends, and how its answer is laid over CGFF's.
 
     judges_itself : stops by its own tests; others are stopped by CGFF's
     is_affine     : its answer is known up to an affine map, otherwise up to a rigid motion
     """
 
     run: Rival
-    text: str
     judges_itself: bool = False
     is_affine: bool = False
 
 
 REGISTRY = {
-    "cgff": Entry(own.energy, "CGFF on the energy", judges_itself=True),
-    "cgff-residual": Entry(own.residual, "CGFF on eq. (10)", judges_itself=True),
-    "table1": Entry(own.table1, "the paper's Table I to the letter", judges_itself=True),
-    "fdm": Entry(
-        fdm, "form-finding from connectivity and signs (Estrada)", judges_itself=True, is_affine=True
-    ),
-    "schek": Entry(schek, "linear force density method with CGFF's force densities", judges_itself=True),
-    "fsolve": Entry(fsolve, "scipy's fsolve with the exact Jacobian"),
-    "fsolve-fd": Entry(fsolve_fd, "scipy's fsolve without a Jacobian, by finite differences"),
-    "lm": Entry(lm, "scipy's Levenberg-Marquardt with the exact Jacobian"),
-    "lbfgs": Entry(lbfgs, "scipy's L-BFGS-B on the energy"),
-    "dr": Entry(dynamic_relaxation, "dynamic relaxation with kinetic damping"),
+    "cgff": Entry(own.cgff, judges_itself=True),
+    "cgff-residual": Entry(own.cgff_residual, judges_itself=True),
+    "table1": Entry(own.table1, judges_itself=True),
+    "fdm": Entry(fdm, judges_itself=True, is_affine=True),
+    "schek": Entry(schek, judges_itself=True),
+    "fsolve": Entry(fsolve),
+    "fsolve-fd": Entry(fsolve_fd),
+    "lm": Entry(lm),
+    "lbfgs": Entry(lbfgs),
+    "dr": Entry(dynamic_relaxation),
 }
 """Method name -> its Entry."""

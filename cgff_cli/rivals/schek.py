@@ -10,19 +10,21 @@ import numpy as np
 from cgff_cli.errors import CgffError
 from cgff_cli.mechanics.connectivity import DENSE_ENTRIES, dense
 from cgff_cli.mechanics.equilibrium import force_density_matrix
-from cgff_cli.rivals.task import End, Task
+from cgff_cli.mechanics.pattern import GraphPattern
+from cgff_cli.rivals.task import End, Task, centred
+from cgff_cli.rivals.trace import Trace
 from cgff_cli.structure import Structure
 
 SINGULAR = 1e-12
 """A singular value of D_ff below this share of the largest force density leaves nodes without a place."""
 
 
-def schek(task: Task) -> End:
+def schek(task: Task, trace: Trace) -> End:
     """Solve for the free coordinates in one linear step per axis; raises CgffError where none is unique."""
-    structure, q = task.local, task.reference.force_densities
+    structure, q = centred(task.structure), task.best.force_densities
     if structure.free.all():
         raise CgffError("no supports: the force density method needs held nodes")
-    task.trace.start()
+    trace.start()
     D = _force_density_matrix(structure, q)
     X = structure.coordinates.copy()
     for axis in range(X.shape[1]):
@@ -32,32 +34,31 @@ def schek(task: Task) -> End:
             raise CgffError(f"no node is held along {'xyz'[axis]}")
         D_ff, forces = D[f][:, f], structure.loads[f, axis] - D[f][:, c] @ X[c, axis]
         X[f, axis] = _solved(D_ff, forces, SINGULAR * float(np.abs(q).max()))
-    task.trace.add(1, 1, X)
+    trace.add(1, 1, X)
     return End(X, "form_found", "by one linear solve per axis", q)
 
 
 def _force_density_matrix(structure: Structure, q: np.ndarray):  # type: ignore[no-untyped-def]
     """Return D, (n, n), dense for a small structure and sparse for a large one."""
-    start, end, n = structure.start, structure.end, len(structure.coordinates)
+    n = len(structure.coordinates)
     if n * len(q) <= DENSE_ENTRIES:
-        return force_density_matrix(dense(start, end, n), q)
-    from scipy.sparse import coo_array
-
-    rows = np.concatenate((start, end, start, end))
-    columns = np.concatenate((start, end, end, start))
-    return coo_array((np.concatenate((q, q, -q, -q)), (rows, columns)), shape=(n, n)).tocsr()
+        return force_density_matrix(dense(structure.start, structure.end, n), q)
+    pattern = GraphPattern(structure.start, structure.end, np.arange(n))
+    return pattern.matrix(pattern.fill(q, q, -q)).tocsr()
 
 
 def _solved(D, forces: np.ndarray, least: float) -> np.ndarray:  # type: ignore[no-untyped-def]
     """Return D^-1 forces; raises CgffError where D has singular values down to the least allowed."""
     if isinstance(D, np.ndarray):
-        values = np.linalg.svd(D, compute_uv=False)
-        if len(values) and values[-1] <= least:
-            raise CgffError("the force densities hold some node nowhere: D_ff is singular")
-        return np.linalg.solve(D, forces)
-    from scipy.sparse.linalg import splu
+        if D.size and np.linalg.svd(D, compute_uv=False)[-1] > least:
+            return np.linalg.solve(D, forces)
+        if not D.size:
+            return forces
+    else:
+        from scipy.sparse.linalg import splu
 
-    try:
-        return np.asarray(splu(D.tocsc()).solve(forces))
-    except RuntimeError as error:
-        raise CgffError("the force densities hold some node nowhere: D_ff is singular") from error
+        try:
+            return np.asarray(splu(D.tocsc()).solve(forces))
+        except RuntimeError:  # exactly singular
+            pass
+    raise CgffError("the force densities hold some node nowhere: D_ff is singular")

@@ -1,8 +1,7 @@
 """What a rival is given, and what it gives back."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -10,14 +9,8 @@ import numpy as np
 from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.options import SolveOptions
 from cgff_cli.rivals.trace import Trace
+from cgff_cli.solvers.solution import Solution
 from cgff_cli.structure import Structure
-
-
-class Reference(NamedTuple):
-    """CGFF's answer: the shape (n, d) about the centroid of the start, and force densities (b,)."""
-
-    X: np.ndarray
-    force_densities: np.ndarray
 
 
 class End(NamedTuple):
@@ -35,26 +28,22 @@ class End(NamedTuple):
     force_densities: np.ndarray | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class Task:
-    """One structure to form-find.
+class Task(NamedTuple):
+    """One structure to form-find, by every rival.
 
-    groups : (b,) int, the scene's group of every element
+    groups    : (b,) int, the scene's group of every element
+    best      : CGFF's answer to the rounding floor
+    alignment : how shapes are laid over it, "rigid" or "none"
     """
 
     structure: Structure
     groups: np.ndarray
     options: SolveOptions
-    trace: Trace
-    reference: Reference
-
-    @cached_property
-    def local(self) -> Structure:
-        """The structure about the centroid of its start."""
-        return centred(self.structure)
+    best: Solution
+    alignment: str = "rigid"
 
 
-Rival = Callable[[Task], End]
+Rival = Callable[[Task, Trace], End]
 
 
 def centred(structure: Structure) -> Structure:
@@ -69,9 +58,9 @@ class Unknowns:
     Every rival so gets numbers of order one, and its absolute tolerances mean something.
     """
 
-    def __init__(self, task: Task):
-        self.mechanics = Mechanics(task.structure)
-        self.trace = task.trace
+    def __init__(self, task: Task, trace: Trace):
+        trace.start()
+        self.mechanics, self.trace = Mechanics(task.structure), trace
         self.start: np.ndarray = self.mechanics.start.reshape(-1)[self.mechanics.dofs]
 
     def state(self, x: np.ndarray) -> State:
@@ -84,10 +73,6 @@ class Unknowns:
         """Return minus the out-of-balance forces on the free coordinates, (f,)."""
         return state.g.reshape(-1)[self.mechanics.dofs]
 
-    def shape(self, state: State) -> np.ndarray:
-        """Return a state's shape (n, d) in the user's units."""
-        return self.mechanics.shape(state.X)
-
     def add(self, iterations: int | None, evaluations: int, state: State) -> None:
         """Note a state in the trace."""
-        self.trace.add(iterations, evaluations, self.shape(state))
+        self.trace.add(iterations, evaluations, self.mechanics.shape(state.X))

@@ -1,6 +1,7 @@
 """What a run passes through: when it first reached each tolerance, with the clock stopped meanwhile."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sized
+from itertools import takewhile
 from time import perf_counter
 from typing import NamedTuple
 
@@ -12,20 +13,23 @@ from cgff_cli.solvers.stopping import Gauge, Verdict, Watch
 TOLERANCES = tuple(float(f"1e-{digits}") for digits in range(2, 13))
 """Relative residuals and shape errors at which iterations and time are noted."""
 
-Distance = Callable[[np.ndarray], float]
-"""Shape (n, d) -> how far it is from the reference, over the reference's size."""
 
-Fit = Callable[[np.ndarray], np.ndarray]
-"""Shape (n, d) -> the shape that is judged, for a rival whose answer is known up to an affine map."""
+class AtResidual(NamedTuple):
+    """When a run first had a relative residual within the tolerance, and its shape error then."""
+
+    tolerance: float
+    iterations: int | None = None
+    seconds: float | None = None
+    shape_error: float | None = None
 
 
-class Mark(NamedTuple):
-    """The first time that a run was within a tolerance; iterations is None where a rival counts none."""
+class AtShape(NamedTuple):
+    """When a run first had a shape error within the tolerance, and its relative residual then."""
 
-    iterations: int | None
-    seconds: float
-    residual: float
-    shape_error: float | None
+    tolerance: float
+    iterations: int | None = None
+    seconds: float | None = None
+    residual_relative: float | None = None
 
 
 class Stop(Exception):  # noqa: N818 -- ends a run, not always in failure
@@ -42,6 +46,9 @@ class Trace:
     All shapes are (n, d), about the centroid of the start, in the user's units. Measuring them is not
     counted in the rival's time. Where `watch` is given, `add` ends the run by raising Stop as soon as its
     tests hold, the same tests that end CGFF.
+
+    distance : shape -> how far it is from the reference, over the reference's size
+    judged   : shape -> the one to measure, for a rival whose answer is known up to an affine map
     """
 
     def __init__(
@@ -49,19 +56,18 @@ class Trace:
         mechanics: Mechanics,
         watch: Watch | None,
         time_limit: float,
-        distance: Distance | None = None,
+        distance: Callable[[np.ndarray], float] | None = None,
     ):
-        self.mechanics, self.watch = mechanics, watch
-        self.time_limit, self.distance = time_limit, distance
-        self.fit: Fit = np.asarray
+        self.mechanics, self.watch, self.time_limit = mechanics, watch, time_limit
+        self.distance = distance
+        self.judged: Callable[[np.ndarray], np.ndarray] = np.asarray
         self.gauge = Gauge(mechanics)
-        self.by_residual: dict[float, Mark] = {}
-        self.by_shape: dict[float, Mark] = {}
+        self.by_residual: dict[float, AtResidual] = {}
+        self.by_shape: dict[float, AtShape] = {}
         self.X = mechanics.shape(mechanics.start)
         self.iterations: int | None = 0
         self.evaluations: int | None = 0
-        self.begun = perf_counter()
-        self.aside = 0.0
+        self.start()
 
     def start(self) -> None:
         """Set the clock to zero."""
@@ -77,31 +83,25 @@ class Trace:
         entered = perf_counter()
         seconds = entered - self.begun - self.aside
         self.X, self.iterations, self.evaluations = X, iterations, evaluations
-        verdict = self._noted(X, iterations, evaluations, seconds)
+        verdict = self._noted(seconds) if np.isfinite(X).all() else Verdict.DIVERGED
         self.aside += perf_counter() - entered
         if verdict is not None:
             raise Stop(verdict.value)
         if seconds > self.time_limit:
             raise Stop("time_limit")
 
-    def _noted(
-        self, X: np.ndarray, iterations: int | None, evaluations: int | None, seconds: float
-    ) -> Verdict | None:
-        if not np.isfinite(X).all():
-            return Verdict.DIVERGED
-        judged = self.fit(X)
-        state = self.mechanics.at(self.mechanics.moving(judged))
+    def _noted(self, seconds: float) -> Verdict | None:
+        X = self.judged(self.X)
+        state = self.mechanics.at(self.mechanics.moving(X))
         residual = self.gauge.measure(state).relative
-        error = None if self.distance is None else self.distance(judged)
-        mark = Mark(iterations, seconds, residual, error)
-        _note(self.by_residual, residual, mark)
-        if error is not None:
-            _note(self.by_shape, error, mark)
-        return None if self.watch is None else self.watch.judge(state, evaluations or 0)
+        error = None if self.distance is None else self.distance(X)
+        for tolerance in _passed(self.by_residual, residual):
+            self.by_residual[tolerance] = AtResidual(tolerance, self.iterations, seconds, error)
+        for tolerance in () if error is None else _passed(self.by_shape, error):
+            self.by_shape[tolerance] = AtShape(tolerance, self.iterations, seconds, residual)
+        return None if self.watch is None else self.watch.judge(state, self.evaluations or 0)
 
 
-def _note(marks: dict[float, Mark], value: float, mark: Mark) -> None:
-    for tolerance in TOLERANCES[len(marks) :]:
-        if not value <= tolerance:
-            return
-        marks[tolerance] = mark
+def _passed(reached: Sized, value: float) -> Iterator[float]:
+    """Return the tolerances, not yet reached, that a value is within."""
+    return takewhile(lambda tolerance: value <= tolerance, TOLERANCES[len(reached) :])

@@ -1,24 +1,32 @@
 """Groups of elements while a scene is being read: kind, EA, rest lengths and node pairs."""
 
+from collections.abc import Sequence
 from itertools import chain
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cgff_cli.scene import fields
-from cgff_cli.scene.fields import found
+from cgff_cli.scene.columns import CellColumn
+from cgff_cli.scene.fields import HUGE, LEAST_SIZE, found
 from cgff_cli.scene.findings import Findings, Where, quoted
 from cgff_cli.scene.keys import check_keys
-from cgff_cli.scene.located import Plain
 from cgff_cli.scene.nodes import Nodes
 from cgff_cli.scene.scene import KINDS, Group
+from cgff_cli.values import Rule
+
+if TYPE_CHECKING:
+    from cgff_cli.scene.tables import Table
 
 GROUP_KEYS = ("kind", "EA", "rest_length", "pairs")
 _PAIRS = "a list of node pairs such as [[a, b], [b, c]]"
+_POSITIVE = Rule(positive=True, smallest=LEAST_SIZE, largest=HUGE)
 
 
-def least(law: str | None) -> dict[str, str]:
-    """Return the lower limits of EA and rest length; law `hooke` divides by the rest length."""
-    return {"EA": "> 0", "rest_length": "> 0" if law == "hooke" else ">= 0"}
+def rules(law: str | None) -> dict[str, Rule]:
+    """Return what EA and rest length may be; law `hooke` divides by the rest length."""
+    length = _POSITIVE if law == "hooke" else Rule(least=0.0, smallest=LEAST_SIZE, largest=HUGE)
+    return {"EA": _POSITIVE, "rest_length": length}
 
 
 def read_elements(
@@ -35,11 +43,13 @@ def read_elements(
     if outside:
         message = f"{outside[0]} is a key of a group: indent it below the name of its group"
         findings.add_key(("elements", outside[0]), message)
-    groups = []
-    for key, group in values.items():
-        fields.name(findings, ("elements", key), key, at_key=True)
-        if not outside or isinstance(group, dict):
-            groups.append(_group(findings, ("elements", key), group, nodes, law))
+    keys = list(values)
+    CellColumn(findings, keys, lambda row: ("elements", keys[row]), at_key=True).names()
+    groups = [
+        _group(findings, ("elements", key), group, nodes, law)
+        for key, group in values.items()
+        if not outside or isinstance(group, dict)
+    ]
     good = [group for group in groups if group is not None]
     return good if groups and len(good) == len(values) else None
 
@@ -57,24 +67,24 @@ def _group(
     if "pairs" in values:
         count, pairs = _pairs(findings, (*where, "pairs"), values["pairs"], nodes)
     columns = [
-        _column(findings, (*where, key), values[key], count, lower)
-        for key, lower in least(law).items()
+        _column(findings, (*where, key), values[key], count, rule)
+        for key, rule in rules(law).items()
         if key in values
     ]
     good = [column for column in columns if column is not None]
-    if kind is None or pairs is None or len(good) < len(least(law)):
+    if kind is None or pairs is None or len(good) < 2:
         return None
-    return Group(str(where[-1]), kind, pairs, good[0], good[1])
+    return Group(str(where[-1]), kind, pairs, *good)
 
 
 def _column(
-    findings: Findings, where: Where, value: object, count: int | None, lower: str
+    findings: Findings, where: Where, value: object, count: int | None, rule: Rule
 ) -> np.ndarray | None:
     """Return one number per pair, from one number or a list."""
     if not isinstance(value, list):
-        number = fields.number(findings, where, value, lower)
+        number = CellColumn(findings, [value], lambda _: where).numbers(rule)
         return None if number is None or count is None else np.full(count, number)
-    numbers = fields.numbers(findings, where, value, lower)
+    numbers = CellColumn(findings, value, lambda i: (*where, i)).numbers(rule)
     if count is not None and len(value) != count:
         message = f"must be one number or a list of {count}, one per pair, got {found(value)}"
         findings.add(where, message, alike=(where[:-1], len(value)))
@@ -86,33 +96,85 @@ def _pairs(
     findings: Findings, where: Where, value: object, nodes: Nodes | None
 ) -> tuple[int | None, np.ndarray | None]:
     """Return how many pairs were written, and their (m, 2) node rows where all are right."""
-    if not isinstance(value, list):
-        findings.add(where, f"must be {_PAIRS}, got {found(value)}")
-        return None, None
-    if not value:
+    got = f"got {found(value)}"
+    if isinstance(value, list) and not value:
         findings.add(where, "must hold at least one pair, got an empty list")
         return None, None
-    if not any(isinstance(pair, (list, dict)) for pair in value):
-        findings.add(where, f"must be {_PAIRS}, got a list of {len(value)} names")
+    if not isinstance(value, list) or not any(isinstance(pair, (list, dict)) for pair in value):
+        names = " names" if isinstance(value, list) else ""
+        findings.add(where, f"must be {_PAIRS}, {got}{names}")
         return None, None
-    if nodes and set(map(type, value)) == {list} and set(map(len, value)) == {2}:
-        ends = list(chain.from_iterable(value))
-        rows = nodes.look_up(ends) if set(map(type, ends)) <= {str, Plain} else None
-        if rows is not None and np.all(rows[::2] != rows[1::2]):
-            return len(value), rows.reshape(-1, 2)
-    read = [_pair(findings, (*where, i), pair, nodes) for i, pair in enumerate(value)]
-    return len(value), None if None in read else np.array(read, dtype=np.intp)
+    odd = {i for i, pair in enumerate(value) if type(pair) is not list or len(pair) != 2}
+    for i in odd:
+        alike = (where, found(value[i]))
+        findings.add((*where, i), f"must be two node names, got {found(value[i])}", alike=alike)
+    good: Sequence[int] = [i for i in range(len(value)) if i not in odd] if odd else range(len(value))
+    ends = list(chain.from_iterable(value[i] for i in good) if odd else chain.from_iterable(value))
+    rows = _joined(CellColumn(findings, ends, lambda k: (*where, good[k // 2], k % 2)), nodes)
+    return len(value), None if odd else rows
 
 
-def _pair(findings: Findings, where: Where, value: object, nodes: Nodes | None) -> tuple[int, int] | None:
-    if not isinstance(value, list) or len(value) != 2:
-        findings.add(where, f"must be two node names, got {found(value)}", alike=(where[:-1], found(value)))
-        return None
-    names = [fields.name(findings, (*where, i), end) for i, end in enumerate(value)]
-    if names[0] is not None and names[0] == names[1]:
-        findings.add(where, f"node {quoted(names[0])} is joined to itself")
-        return None
-    if nodes is None or None in names:
-        return None
-    start, end = (nodes.row(findings, (*where, i), name) for i, name in enumerate(names))
-    return None if start is None or end is None else (start, end)
+def groups_of_table(table: "Table", nodes: Nodes | None, law: str | None) -> list[Group] | None:
+    """Return the groups of a table, in order of first appearance; None where a cell is wrong."""
+    sides = ("start", "end")
+    ends = [""] * (2 * table.count)
+    for i, side in enumerate(sides):
+        ends[i::2] = table.column(side).values
+    cells = CellColumn(table.findings, ends, lambda k: (k // 2, sides[k % 2]), cells=True)
+    pairs = _joined(cells, nodes)
+    columns = [table.column(key).numbers(rule) for key, rule in rules(law).items()]
+    groups, kinds = table.column("group"), table.column("kind")
+    groups.names()
+    _check_kinds(groups.values, kinds)
+    good = [column for column in (pairs, *columns) if column is not None]
+    return _split(groups.values, kinds.values, *good) if len(good) == 3 and table.findings.none else None
+
+
+def _check_kinds(groups: Sequence[str], kinds: CellColumn) -> None:
+    """Record every kind of a table that is none, or another than that of its group above."""
+    uses = set(zip(groups, kinds.values, strict=True))
+    if len(uses) == len({group for group, _ in uses}) and {kind for _, kind in uses} <= set(KINDS):
+        return
+    of_group: dict[str, str] = {}
+    for row, (group, kind) in enumerate(zip(groups, kinds.values, strict=True)):
+        if kind not in KINDS:
+            message = f"must be cable or strut, got {quoted(kind) if kind else 'nothing'}"
+            kinds.add(row, message, alike=message)
+        elif of_group.setdefault(group, kind) != kind:
+            kinds.add_bare(row, f"group {quoted(group)} is of kind {of_group[group]} above, here {kind}")
+
+
+def _split(
+    groups: Sequence[str], kinds: Sequence[str], pairs: np.ndarray, EA: np.ndarray, rest_length: np.ndarray
+) -> list[Group]:
+    """Return the rows of a table by group."""
+    order = {group: code for code, group in enumerate(dict.fromkeys(groups))}
+    codes = np.fromiter(map(order.__getitem__, groups), np.intp, len(groups))
+    rows = np.argsort(codes, kind="stable")
+    ends = np.cumsum(np.bincount(codes))[:-1]
+    return [
+        Group(name, kinds[own[0]], pairs[own], EA[own], rest_length[own])
+        for name, own in zip(order, np.split(rows, ends), strict=True)
+    ]
+
+
+def _joined(ends: CellColumn, nodes: Nodes | None) -> np.ndarray | None:
+    """Return the (m, 2) node rows of start, end, start, end; None where one is none or joined to itself."""
+    rows = nodes.look_up(ends.values) if nodes else None
+    names = [] if rows is not None else list(ends.names())
+    twins = [i for i in range(0, len(names), 2) if names[i] == names[i + 1] and names[i] is not None]
+    if rows is not None:
+        twins = (2 * np.flatnonzero(rows[::2] == rows[1::2])).tolist()
+    told = set(twins)
+    for i in twins:
+        message = f"node {quoted(str(ends.values[i]))} is joined to itself"
+        if ends.cells:
+            ends.add_bare(i + 1, message)
+        else:
+            ends.findings.add(ends.where(i)[:-1], message)
+    if rows is None and nodes:
+        for i in range(0, len(names), 2):
+            if i in told or (None in names[i : i + 2] and not ends.cells):
+                names[i] = names[i + 1] = None
+        rows = nodes.rows_named(ends, names)
+    return None if twins or rows is None else rows.reshape(-1, 2)

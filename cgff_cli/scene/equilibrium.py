@@ -12,8 +12,8 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from cgff_cli.errors import OptionError
-from cgff_cli.scene.parameters import Rule
 from cgff_cli.scene.scene import AXES, KINDS, LAWS, Group, Scene
+from cgff_cli.values import Rule
 
 _ALIKE = 1e-11  # lengths this near, relatively, are one length and its rounding
 

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable, Collection, Hashable, Iterable, Sequence
-from typing import NamedTuple, Protocol, TypeVar
+from typing import NamedTuple
 
 from cgff_cli.errors import Problem
 from cgff_cli.hints import did_you_mean
@@ -23,18 +23,8 @@ _HINTS = 20
 _LINES = 5
 _WORD = re.compile(r"[\w+-]+")
 
-Place = TypeVar("Place", bound=tuple[int, int])
-
-
-class OtherFile(Protocol):
-    """A file a scene refers to, which keeps its own problems."""
-
-    @property
-    def sound(self) -> bool:
-        """Whether no problem was found in it."""
-
-    def problems(self) -> list[Problem]:
-        """Return its problems with their places."""
+Placing = Callable[[Where, bool], Mark]
+"""Leads from a value, or from its key, to line and column."""
 
 
 class _Item(NamedTuple):
@@ -45,37 +35,57 @@ class _Item(NamedTuple):
 
 
 class Findings:
-    """Problems found so far, in the scene file itself and in the files it refers to.
+    """Problems found so far in one file, and in the files it refers to.
 
     faults : (place, message) of what is wrong with the form of the file
+    closed : first steps that lead to what is reported as a whole: nothing more is told of it
     tables : paths of the files it refers to
     """
 
-    def __init__(self, faults: Sequence[tuple[Mark, str]] = ()) -> None:
+    def __init__(
+        self,
+        faults: Sequence[tuple[Mark, str]] = (),
+        label_of: Callable[[Where], str] | None = None,
+    ) -> None:
         self.faults = faults
+        self.closed: set[str | int] = set()
+        self.tables: list[str] = []
+        self._label_of = label_of or label
         self._items: list[_Item] = []
         self._hints: dict[tuple[str, int], str] = {}
-        self.other_files: list[OtherFile] = []
-        self.tables: list[str] = []
+        self._files: list[tuple[Findings, str, Placing]] = []
+
+    def of_file(self, path: str, place: Placing, other: "Findings") -> None:
+        """Take in what is found in a file that this one refers to."""
+        self._files.append((other, path, place))
 
     def add(self, where: Where, message: str, at_key: bool = False, alike: Hashable = None) -> None:
         """Record a problem of the value at `where`; `at_key` points at its key instead.
 
         Problems that are `alike` are one mistake, made in many places, and told once.
         """
-        self._items.append(_Item(where, f"{label(where)}: {message}" if where else message, at_key, alike))
+        self._add(where, where, message, at_key, alike)
 
     def add_key(self, where: Where, message: str, alike: Hashable = None) -> None:
         """Record a problem of a key; the message speaks of the mapping that holds it."""
-        owner = where[:-1]
-        self._items.append(_Item(where, f"{label(owner)}: {message}" if owner else message, True, alike))
+        self._add(where, where[:-1], message, True, alike)
+
+    def _add(self, where: Where, named: Where, message: str, at_key: bool, alike: Hashable) -> None:
+        if not self.closed or where[0] not in self.closed:
+            message = labelled(self._label_of(named), message)
+            self._items.append(_Item(where, message, at_key, alike))
 
     @property
     def none(self) -> bool:
         """Whether nothing was found."""
-        return not self.faults and not self._items and all(file.sound for file in self.other_files)
+        return not self.faults and not self._items and all(file.none for file, _, _ in self._files)
 
-    def problems(self, path: str, place: Callable[[Where, bool], Mark]) -> list[Problem]:
+    @property
+    def wheres(self) -> list[Where]:
+        """What the problems are about that have to do with a value."""
+        return [item.where for item in self._items]
+
+    def problems(self, path: str, place: Placing) -> list[Problem]:
         """Return the problems of every file, cut to a readable number each.
 
         Those of the scene itself are placed by `place`; nothing else is told of a value whose form is at
@@ -86,7 +96,7 @@ class Findings:
         here = [Problem(path, *at, message) for at, message in self.faults]
         for at, message, others in folded(item for item in placed if item[0] not in at_fault):
             here.append(Problem(path, *at, counted(message, at[0], [line for line, _ in others])))
-        return listed(here) + [problem for file in self.other_files for problem in file.problems()]
+        return listed(here) + [p for file, its, at in self._files for p in file.problems(its, at)]
 
     def hint(self, name: str, candidates: Collection[str]) -> str:
         """Return "; did you mean 'x'?", or nothing where no candidate is near.
@@ -112,6 +122,11 @@ def label(where: Where) -> str:
     return text
 
 
+def labelled(name: str, message: str) -> str:
+    """Return a message behind the name of what it is about, where that has one."""
+    return f"{name}: {message}" if name else message
+
+
 def quoted(text: str, limit: int = 60) -> str:
     """Return a text in quotes on one line, cut where it is long."""
     text = str(text)
@@ -124,9 +139,9 @@ def first_few(names: Collection[str], limit: int = 3) -> str:
     return shown if len(names) <= limit else f"{shown}, ... ({len(names)} in all)"
 
 
-def folded(found: Iterable[tuple[Place, str, Hashable]]) -> list[tuple[Place, str, list[Place]]]:
+def folded(found: Iterable[tuple[Mark, str, Hashable]]) -> list[tuple[Mark, str, list[Mark]]]:
     """Return (place, message, other places) of each mistake: what is alike is one, told where it is first."""
-    mistakes: dict[Hashable, tuple[Place, str, list[Place]]] = {}
+    mistakes: dict[Hashable, tuple[Mark, str, list[Mark]]] = {}
     for place, message, alike in sorted(set(found), key=lambda item: item[:2]):
         key = (place, message) if alike is None else alike
         if key in mistakes:
@@ -151,11 +166,5 @@ def listed(problems: list[Problem]) -> list[Problem]:
     problems = sorted(set(problems))
     if len(problems) <= LISTED:
         return problems
-    last = problems[-1]
-    rest = len(problems) - LISTED
-    return [*problems[:LISTED], more(last, rest)]
-
-
-def more(last: Problem, count: int) -> Problem:
-    """Return the line that stands for problems not listed, at the last of them."""
-    return Problem(last.path, last.line, last.column, f"... and {count} more problems, the last one here")
+    rest = f"... and {len(problems) - LISTED} more problems, the last one here"
+    return [*problems[:LISTED], problems[-1]._replace(message=rest)]

@@ -5,10 +5,12 @@ written without quotes) and the field it fills decides what it means. YAML's own
 `1e-8` into text, `no` into false and `1:30` into 90.
 """
 
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterable, Iterator
+from itertools import chain
 from typing import Any
 
-from cgff_cli.scene.findings import Mark, Where, counted, label, quoted
+from cgff_cli.scene.fields import Plain
+from cgff_cli.scene.findings import Mark, Where, counted, label, labelled, quoted
 from cgff_cli.scene.keys import Holed
 
 DEPTH = 40
@@ -18,12 +20,6 @@ ALIASED = 100_000
 """How many values all aliases of a file together may stand for."""
 
 _EMPTY = "the file is empty; a scene needs at least law, nodes and elements"
-
-
-class Plain(str):
-    """A scalar written without quotes."""
-
-    __slots__ = ()
 
 
 class Branch:
@@ -67,6 +63,10 @@ class Document:
             self.whole = False
             self.faults.append((stop.at, str(stop)))
 
+    def sharpened(self, wheres: Iterable[Where]) -> bool:
+        """Return False: text was read as it is written."""
+        return False
+
     def place(self, where: Where, at_key: bool = False) -> Mark:
         """Return the line and column of a value, or of its key; of its owner where it is missing."""
         tree, key = self._tree, None
@@ -78,6 +78,27 @@ class Document:
         if at_key and key:
             return key
         return tree.at if isinstance(tree, Branch) else tree
+
+
+def too_deep(value: Any) -> bool:
+    """Return whether mappings and lists nest deeper than a scene's may."""
+    level = [value] if isinstance(value, (dict, list)) else []
+    for _ in range(DEPTH):
+        members = list(chain.from_iterable(own.values() if isinstance(own, dict) else own for own in level))
+        if not any(issubclass(kind, (dict, list)) for kind in set(map(type, members))):
+            return False
+        level = [inside for inside in members if isinstance(inside, (dict, list))]
+    return bool(level)
+
+
+def in_rows(where: Where, wrong: Iterable[tuple[Hashable, Mark, str]]) -> Iterator[tuple[Mark, str]]:
+    """Yield (place, message) of keys that are wrong; those of one row of wrong keys are told once."""
+    rows: dict[Hashable, list[tuple[Mark, str]]] = {}
+    for row, at, fault in wrong:
+        rows.setdefault(row, []).append((at, fault))
+    for (at, fault), *others in rows.values():
+        message = counted(fault, at[0], [line for (line, _), _ in others], "in a row")
+        yield at, labelled(label(where), message)
 
 
 def mark_of(text: str, offset: int) -> Mark:
@@ -147,7 +168,7 @@ class _Composer:
 
     def _mapping(self, branch: Branch, where: Where, depth: int) -> tuple[dict[str, Any], Branch]:
         values: dict[str, Any] = {}
-        wrong: dict[tuple[str, int], list[tuple[Mark, str]]] = {}
+        wrong: list[tuple[Hashable, Mark, str]] = []
         missed = 0
         for event in self.events:
             if type(event).__name__ == "MappingEndEvent":
@@ -158,13 +179,11 @@ class _Composer:
             value, tree = self._node(next(self.events), (*where, name), depth + 1)
             fault = _key_fault(key, value, branch)
             if fault:
-                wrong.setdefault((fault.partition("'")[0], len(values)), []).append((at, fault))
+                wrong.append(((fault.partition("'")[0], len(values)), at, fault))
                 missed += _brought(value) if key == "<<" else 1
             else:
                 values[key], branch.keys[key], branch.members[key] = value, at, tree
-        for (at, fault), *others in wrong.values():  # each a row of keys with one kind of fault
-            lines = [line for (line, _), _ in others]
-            self._fault(at, where, counted(fault, at[0], lines, "in a row"))
+        self.faults += in_rows(where, wrong)
         return Holed(values, missed) if missed else values, branch
 
     def _alias(self, event: Any) -> tuple[Any, Tree]:
@@ -183,10 +202,8 @@ class _Composer:
 
     def _tag(self, event: Any, where: Where) -> None:
         tag = event.tag.replace("tag:yaml.org,2002:", "!!")
-        self._fault(_at(event), where, f"tags are not allowed, found {quoted(tag)}")
-
-    def _fault(self, at: Mark, where: Where, message: str) -> None:
-        self.faults.append((at, f"{label(where)}: {message}" if where else message))
+        message = f"tags are not allowed, found {quoted(tag)}"
+        self.faults.append((_at(event), labelled(label(where), message)))
 
 
 def _brought(value: Any) -> int:

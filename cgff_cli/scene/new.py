@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cgff_cli.errors import OptionError
-from cgff_cli.hints import did_you_mean
+from cgff_cli.hints import meant_or_all
 from cgff_cli.scene.equilibrium import Equilibrium, realised
 from cgff_cli.scene.families import FAMILIES
 from cgff_cli.scene.parameters import Parameter, parameters_of
@@ -42,7 +42,7 @@ def new(family: str, **parameters: object) -> Scene:
 def find(name: str) -> Family:
     """Return a family by name; raises OptionError with the nearest name where there is none."""
     if name not in FAMILIES:
-        raise OptionError(f"unknown family {name!r}{_hint(name, FAMILIES)}")
+        raise OptionError(f"unknown family {name!r}{meant_or_all(name, FAMILIES)}")
     module = import_module(f"cgff_cli.scene.families.{name.replace('-', '_')}")
     own = parameters_of(module.equilibrium)
     return Family(name, module.equilibrium, own, parameters_of(realised), module.EXAMPLES)
@@ -54,7 +54,7 @@ def make(name: str, given: Mapping[str, object]) -> Made:
     known = family.own | family.common
     for key in given:
         if key not in known:
-            raise OptionError(f"unknown parameter {key!r} of {name}{_hint(key, known)}")
+            raise OptionError(f"unknown parameter {key!r} of {name}{meant_or_all(key, known)}")
     values = {key: known[key].checked(value) for key, value in given.items()}
     target = family.equilibrium(**{key: value for key, value in values.items() if key in family.own})
     common = {key: value for key, value in values.items() if key in family.common}
@@ -91,7 +91,3 @@ def _word(value: object) -> str:
     from shlex import quote
 
     return quote(str(value))
-
-
-def _hint(name: str, known: Mapping[str, object]) -> str:
-    return did_you_mean(name, known) or f"; allowed: {', '.join(known)}"

@@ -1,15 +1,24 @@
 """Nodes while a scene is being read: names to rows, coordinates, vectors, and unknown names."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from itertools import chain
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from cgff_cli.scene import fields
-from cgff_cli.scene.fields import found
+from cgff_cli.scene.columns import CellColumn
+from cgff_cli.scene.fields import HUGE, found
 from cgff_cli.scene.findings import Findings, Where, first_few, quoted
 from cgff_cli.scene.keys import lost
+from cgff_cli.values import Rule
+
+if TYPE_CHECKING:
+    from cgff_cli.scene.tables import Table
+
+ANY_SIZE = Rule(largest=HUGE)
+"""What a coordinate or a force may be."""
 
 
 class Nodes:
@@ -18,56 +27,48 @@ class Nodes:
     rows        : name -> row, every name that was written, also where its coordinates are wrong
     coordinates : (n, d) array, None where any is wrong
     dimension   : 2 or 3, None where no node tells
-    report      : records a problem of one node, by row, at its place
+    names       : the column of names
     lost        : how many names could not be read
     """
 
-    def __init__(
-        self,
-        rows: dict[str, int],
-        coordinates: np.ndarray | None,
-        dimension: int | None,
-        report: Callable[[int, str], None],
-        lost: int = 0,
-    ):
-        self.rows = rows
+    def __init__(self, names: CellColumn, coordinates: np.ndarray | None, dimension: int | None, lost: int):
+        self.rows: dict[str, int] = dict(zip(map(str, names.values), range(len(names.values)), strict=False))
         self.coordinates = coordinates
         self.dimension = dimension
-        self.report = report
+        self.names = names
         self.lost = lost
-        self.strangers: dict[str, list[Callable[[str, str], None]]] = {}
-
-    def stranger(self, name: str, report: Callable[[str, str], None]) -> None:
-        """Keep a name that is no node until all are known; `report` takes the message and what is alike."""
-        self.strangers.setdefault(name, []).append(report)
+        self._strangers: dict[str, list[Callable[[str, str], None]]] = {}
 
     def report_strangers(self, findings: Findings) -> None:
         """Record every name that is no node, with the nearest ones or the first few.
 
         As many as were lost are these very names, it may be, and no mistakes of their own.
         """
-        if len(self.strangers) <= self.lost:
+        if len(self._strangers) <= self.lost:
             return
-        for name, reports in self.strangers.items():
+        for name, reports in self._strangers.items():
             hint = findings.hint(name, self.rows) or f"; defined: {first_few(self.rows)}"
             for report in reports:
                 report(f"node {quoted(name)} is not defined{hint}", f"node {name}")
 
-    def look_up(self, names: Sequence[str]) -> np.ndarray | None:
-        """Return the rows of many names at once, or None where one is not defined."""
+    def rows_of(self, column: CellColumn) -> np.ndarray | None:
+        """Return the rows of the nodes that a column names; None where one is no node."""
+        rows = self.look_up(column.values)
+        return self.rows_named(column, column.names()) if rows is None else rows
+
+    def rows_named(self, column: CellColumn, names: Sequence[str | None]) -> np.ndarray | None:
+        """Return the rows of names in a column; each that is no node is kept until all are known."""
+        for row, name in enumerate(names):
+            if name is not None and name not in self.rows:
+                self._strangers.setdefault(name, []).append(partial(column.add_bare, row))
+        return self.look_up(names)
+
+    def look_up(self, names: Sequence[Any]) -> np.ndarray | None:
+        """Return the rows of names, or None where one is not defined."""
         try:
             return np.fromiter(map(self.rows.__getitem__, names), np.intp, len(names))
-        except KeyError:
+        except (KeyError, TypeError):  # a list is no key
             return None
-
-    def row(self, findings: Findings, where: Where, value: object, at_key: bool = False) -> int | None:
-        """Return the row of a node by its name, or record that there is none."""
-        name = fields.name(findings, where, value, at_key)
-        if name is None or name in self.rows:
-            return None if name is None else self.rows[name]
-        add = findings.add_key if at_key else findings.add
-        self.stranger(name, lambda message, alike: add(where, message, alike=alike))
-        return None
 
 
 def read_nodes(findings: Findings, value: object) -> Nodes | None:
@@ -80,19 +81,34 @@ def read_nodes(findings: Findings, value: object) -> Nodes | None:
         findings.add(("nodes",), "must hold at least two nodes, got none", at_key=True)
         return None
     keys = list(values)
-    named = [fields.name(findings, ("nodes", key), key, at_key=True) for key in keys]
+    names = CellColumn(findings, keys, lambda row: ("nodes", keys[row]), at_key=True)
+    nameless = names.names().count(None)
     dimension = _dimension(values)
     coordinates = vectors(findings, ("nodes",), values, dimension)
-    if None in named:
-        coordinates = None
-    rows = {str(key): row for row, key in enumerate(keys)}
-    return Nodes(
-        rows,
-        coordinates,
-        dimension,
-        lambda row, text: findings.add_key(("nodes", keys[row]), text),
-        lost(values) + named.count(None),
-    )
+    return Nodes(names, None if nameless else coordinates, dimension, lost(values) + nameless)
+
+
+def nodes_of_table(table: "Table") -> Nodes:
+    """Return the nodes of a table with columns name, x, y and perhaps z."""
+    names = table.column("name")
+    axes = [axis for axis in ("x", "y", "z") if axis in table.header]
+    own = dict(zip(names.values, names.names(), strict=True))
+    twice = len(names.values) - len(own)
+    if twice:
+        _told_twice(table, names)
+    read = [table.column(axis).numbers(ANY_SIZE) for axis in axes]
+    good = [column for column in read if column is not None]
+    coordinates = np.column_stack(good) if table.findings.none else None
+    return Nodes(names, coordinates, len(axes), len(table.ragged) + twice + list(own.values()).count(None))
+
+
+def _told_twice(table: "Table", names: CellColumn) -> None:
+    """Record every name of a table that stands there again."""
+    first: dict[str, int] = {}
+    for row, name in enumerate(names.values):
+        if first.setdefault(name, row) != row and name:
+            line = table.place(names.where(first[name]))[0]
+            names.add_bare(row, f"node {quoted(name)} is defined twice; first on line {line}")
 
 
 def _dimension(values: dict[str, Any]) -> int | None:
@@ -105,30 +121,29 @@ def vectors(
     findings: Findings, where: Where, values: dict[str, Any], dimension: int | None
 ) -> np.ndarray | None:
     """Return one point or force per key as an (m, d) array; None where any is wrong."""
-    lists = list(values.values())
-    if dimension and set(map(type, lists)) == {list} and set(map(len, lists)) == {dimension}:
-        flat = fields.numbers_at_once(list(chain.from_iterable(lists)))
-        if flat is not None and fields.sizes_fit(flat, ""):
-            return flat.reshape(-1, dimension)
-    read = [_vector(findings, (*where, key), value, dimension) for key, value in values.items()]
-    good = [numbers for numbers in read if numbers is not None]
-    return np.array(good) if len(good) == len(read) and dimension else None
+    d = dimension or 0
+    fits = [d > 0 and type(value) is list and len(value) == d for value in values.values()]
+    if not all(fits):
+        odd = [key for key, fit in zip(values, fits, strict=True) if not fit]
+        for key in odd:
+            _check_odd(findings, (*where, key), values[key], dimension)
+        values = {key: value for (key, value), fit in zip(values.items(), fits, strict=True) if fit}
+    keys, flat = list(values), list(chain.from_iterable(values.values()))
+    numbers = CellColumn(findings, flat, lambda i: (*where, keys[i // d], i % d)).numbers(ANY_SIZE)
+    return numbers.reshape(-1, d) if numbers is not None and all(fits) else None
 
 
-def _vector(findings: Findings, where: Where, value: object, dimension: int | None) -> np.ndarray | None:
+def _check_odd(findings: Findings, where: Where, value: object, dimension: int | None) -> None:
+    """Record why a value is no vector of a scene's dimension."""
     wanted = f"{dimension}" if dimension else "2 or 3"
     if not isinstance(value, list):
         findings.add(where, f"must be a list of {wanted} numbers, got {found(value)}", alike=where[:-1])
-        return None
-    numbers = fields.numbers(findings, where, value)
-    if len(value) == dimension or (dimension is None and len(value) in (2, 3)) or _unsplit(value, numbers):
-        return numbers
-    why = f" in this {dimension}-D scene" if dimension and len(value) in (2, 3) else ""
+        return
+    numbers = CellColumn(findings, value, lambda i: (*where, i)).numbers(ANY_SIZE)
+    one_text = len(value) == 1 and numbers is None  # meant to be several numbers, such as [1 0 0]
+    planar_or_not = len(value) in (2, 3)
+    if one_text or (planar_or_not and dimension is None):
+        return
+    why = f" in this {dimension}-D scene" if planar_or_not else ""
     message = f"must be a list of {wanted} numbers{why}, got {found(value)}"
     findings.add(where, message, alike=(where[:-1], len(value) > (dimension or 2)))
-    return None
-
-
-def _unsplit(value: list[Any], numbers: np.ndarray | None) -> bool:
-    """Return whether a list is one text that was meant to be several numbers, such as [1 0 0]."""
-    return len(value) == 1 and numbers is None

@@ -4,9 +4,9 @@ import gc
 import os
 import sys
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from cgff_cli.errors import Problem, SceneError
 from cgff_cli.scene.findings import NOWHERE, Findings
@@ -15,6 +15,9 @@ from cgff_cli.scene.scene import Scene
 from cgff_cli.scene.schema import is_table, read_scene
 from cgff_cli.scene.text import decoded, read_text, reason
 from cgff_cli.scene.yaml_text import yaml_events
+
+if TYPE_CHECKING:
+    from cgff_cli.scene.json_text import JsonDocument
 
 STDIN = "<stdin>"
 
@@ -45,17 +48,8 @@ def tables_of(path: str) -> list[str]:
         return []
     if ".csv" not in text.lower():
         return []
-    named = _named(_value(text))
+    named = _named((_json(text, "") or Document(yaml_events(text))).value)
     return [os.path.join(os.path.dirname(path), name) for name in named]
-
-
-def _value(text: str) -> object:
-    from cgff_cli.scene import json_text
-
-    if text.lstrip()[:1] == "{":
-        with suppress(ValueError):
-            return json_text.values(text)
-    return Document(yaml_events(text)).value
 
 
 def _named(value: object) -> Iterator[str]:
@@ -86,10 +80,19 @@ def loads(text: str, path: str = "<text>", base: str | os.PathLike[str] | None =
     text = text.removeprefix("\ufeff")
     directory = os.fspath(base) if base is not None else ""
     with _collection_paused():
-        scene = None
-        if path.lower().endswith(".json") or text.lstrip()[:1] == "{":
-            scene = _load_json(text, path, directory)
-        return scene or _located(Document(yaml_events(text)), path, directory)
+        return _read(text, path, directory)
+
+
+def _read(text: str, path: str, base: str) -> Scene:
+    """Return the scene of a text; it is read again where what was found wrong is then seen more sharply."""
+    document = _json(text, path) or Document(yaml_events(text))
+    while True:
+        findings = Findings(document.faults)
+        scene = read_scene(findings, document.value, path, base) if document.whole else None
+        if scene is not None and findings.none:
+            return scene
+        if not document.sharpened(findings.wheres):
+            raise SceneError(findings.problems(path, document.place))
 
 
 def from_dict(mapping: Mapping[str, Any]) -> Scene:
@@ -106,31 +109,19 @@ def from_dict(mapping: Mapping[str, Any]) -> Scene:
     return scene
 
 
-def _load_json(text: str, path: str, base: str) -> Scene | None:
-    """Return the scene of a JSON text; None where the text is left to the YAML reader."""
+def _json(text: str, path: str) -> "JsonDocument | None":
+    """Return a text as JSON, None where it is left to the YAML reader; raises SceneError in a .json file."""
+    named_so = path.lower().endswith(".json") and bool(text.strip())
+    if not named_so and text.lstrip()[:1] != "{":
+        return None
     from json import JSONDecodeError
 
-    from cgff_cli.scene import json_text
+    from cgff_cli.scene.json_text import JsonDocument, fault
 
     try:
-        findings = Findings()
-        scene = read_scene(findings, json_text.values(text), path, base)
-        if scene is not None and findings.none:
-            return scene
-    except json_text.UnclearError:
-        pass
+        return JsonDocument(text)
     except JSONDecodeError as error:
-        if not path.lower().endswith(".json") or not text.strip():
+        if not named_so:
             return None
-        offset, message = json_text.fault(text, error)
+        offset, message = fault(text, error)
         raise SceneError([Problem(path, *mark_of(text, offset), f"not valid JSON: {message}")]) from None
-    return _located(Document(json_text.events(text)), path, base)
-
-
-def _located(document: Document, path: str, base: str) -> Scene:
-    """Return the scene of a document, or raise SceneError with the place of every problem."""
-    findings = Findings(document.faults)
-    scene = read_scene(findings, document.value, path, base) if document.whole else None
-    if scene is not None and findings.none:
-        return scene
-    raise SceneError(findings.problems(path, document.place))

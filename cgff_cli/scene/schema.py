@@ -1,19 +1,24 @@
 """Plain values -> Scene: what a scene may say, block by block."""
 
 import os.path
-from typing import Any
+from collections.abc import Callable
+from functools import partial
+from typing import Any, TypeVar
 
 from cgff_cli.errors import OptionError
 from cgff_cli.options import OPTIONS, checked
 from cgff_cli.scene import elements, fields, nodes, physics
+from cgff_cli.scene.columns import CellColumn
 from cgff_cli.scene.fields import found, is_absent
-from cgff_cli.scene.findings import Findings, Where
+from cgff_cli.scene.findings import Findings, Where, quoted
 from cgff_cli.scene.indents import well_indented
 from cgff_cli.scene.keys import check_keys, lost
 from cgff_cli.scene.nodes import Nodes
 from cgff_cli.scene.scene import AXES, LAWS, Group, Scene
 
 SCENE_KEYS = ("name", "law", "nodes", "elements", "supports", "loads", "solver")
+T = TypeVar("T")
+Reader = Callable[[Any], T | None]
 _LAWS_EXPLAINED = "paper (force = EA (l - l0)) or hooke (force = EA (l - l0) / l0)"
 _REQUIRED = {
     "law": f"; it must be {_LAWS_EXPLAINED}",
@@ -33,8 +38,11 @@ def read_scene(findings: Findings, value: object, path: str, base: str) -> Scene
     values = well_indented(findings, values, SCENE_KEYS)
     known = check_keys(findings, (), values, SCENE_KEYS, _REQUIRED)
     law = _law(findings, values)
-    points = _nodes(findings, values, base)
-    groups = _elements(findings, values, base, points, law)
+    of_values: Any = partial(nodes.read_nodes, findings)
+    points = _block(findings, values, "nodes", base, of_values, nodes.nodes_of_table)
+    of_values = partial(elements.read_elements, findings, nodes=points, law=law)
+    of_table: Any = partial(elements.groups_of_table, nodes=points, law=law)
+    groups = _block(findings, values, "elements", base, of_values, of_table)
     supports = _supports(findings, values.get("supports"), points)
     loads = _loads(findings, values.get("loads"), points)
     solver = _solver(findings, values.get("solver"))
@@ -61,7 +69,7 @@ def _name(findings: Findings, value: object, path: str) -> str:
     if is_absent(value):
         return os.path.splitext(os.path.basename(path))[0].strip("<>") or "scene"
     text = value.rstrip("\n") if type(value) is str else value
-    return fields.name(findings, ("name",), text) or ""
+    return CellColumn(findings, [text], lambda _: ("name",)).names()[0] or ""
 
 
 def _law(findings: Findings, values: dict[str, Any]) -> str | None:
@@ -70,30 +78,18 @@ def _law(findings: Findings, values: dict[str, Any]) -> str | None:
     return fields.one_of(findings, ("law",), values["law"], LAWS, _LAWS_EXPLAINED)
 
 
-def _nodes(findings: Findings, values: dict[str, Any], base: str) -> Nodes | None:
-    if "nodes" not in values:
+def _block(
+    findings: Findings, values: dict[str, Any], key: str, base: str, of_values: Reader[T], of_table: Reader[T]
+) -> T | None:
+    """Return what the mapping or the table of a block is read as."""
+    if key not in values:
         return None
-    value = values["nodes"]
-    if not is_table(value):
-        return nodes.read_nodes(findings, value)
-    from cgff_cli.scene import tables
+    if not is_table(values[key]):
+        return of_values(values[key])
+    from cgff_cli.scene.tables import open_table
 
-    table = tables.open_table(findings, ("nodes",), value, base)
-    return tables.read_nodes(table) if table else None
-
-
-def _elements(
-    findings: Findings, values: dict[str, Any], base: str, points: Nodes | None, law: str | None
-) -> list[Group] | None:
-    if "elements" not in values:
-        return None
-    value = values["elements"]
-    if not is_table(value):
-        return elements.read_elements(findings, value, points, law)
-    from cgff_cli.scene import tables
-
-    table = tables.open_table(findings, ("elements",), value, base)
-    return tables.read_elements(findings, table, points, law) if table else None
+    table = open_table(findings, key, values[key], base)
+    return of_table(table) if table else None
 
 
 def is_table(value: object) -> bool:
@@ -106,21 +102,31 @@ def _optional(findings: Findings, where: Where, value: object, content: str) -> 
     return {} if is_absent(value) else fields.mapping(findings, where, value, content)
 
 
+def _rows(findings: Findings, block: str, values: dict[str, Any], points: Nodes | None) -> list[int] | None:
+    """Return the rows of the nodes that are the keys of a block; None where one is no node, or was lost."""
+    keys = list(values)
+    column = CellColumn(findings, keys, lambda row: (block, keys[row]), at_key=True)
+    rows = points.rows_of(column) if points else None
+    return None if rows is None or lost(values) else rows.tolist()
+
+
 def _supports(findings: Findings, value: object, points: Nodes | None) -> dict[int, str] | None:
     """Return node row -> axes held, in the order x, y, z; None where any is wrong."""
     axes = AXES[: points.dimension] if points and points.dimension else AXES
-    supports: dict[int, str] = {}
     values = _optional(findings, ("supports",), value, "of node names to axes such as xyz or z")
     if values is None:
         return None
+    rows = _rows(findings, "supports", values, points)
+    wrong = False
     for key, held in values.items():
-        row = points.row(findings, ("supports", key), key, at_key=True) if points else None
         if not isinstance(held, str) or not held or not set(held) <= set(axes) or len(set(held)) < len(held):
             message = f"must be axes out of {axes}, each at most once, got {found(held)}"
             findings.add(("supports", key), message, alike=("supports", found(held)))
-        elif row is not None:
-            supports[row] = "".join(axis for axis in AXES if axis in held)
-    return supports if len(supports) == len(values) + lost(values) else None
+            wrong = True
+    if rows is None or wrong:
+        return None
+    held_in_order = ("".join(axis for axis in AXES if axis in held) for held in values.values())
+    return dict(zip(rows, held_in_order, strict=True))
 
 
 def _loads(findings: Findings, value: object, points: Nodes | None) -> dict[int, tuple[float, ...]] | None:
@@ -129,13 +135,10 @@ def _loads(findings: Findings, value: object, points: Nodes | None) -> dict[int,
     if not values:
         return None if values is None or lost(values) else {}
     forces = nodes.vectors(findings, ("loads",), values, points.dimension if points else None)
-    if points is None:
+    rows = _rows(findings, "loads", values, points)
+    if forces is None or rows is None:
         return None
-    rows = [points.row(findings, ("loads", key), key, at_key=True) for key in values]
-    known = [row for row in rows if row is not None]
-    if forces is None or len(known) < len(rows) + lost(values):
-        return None
-    return dict(zip(known, map(tuple, forces.tolist()), strict=True))
+    return dict(zip(rows, map(tuple, forces.tolist()), strict=True))
 
 
 def _solver(findings: Findings, value: object) -> dict[str, object]:
@@ -163,6 +166,5 @@ def _check_use(
     names = list(points.rows)
     for row in physics.isolated_nodes(len(names), physics.all_pairs(groups)).tolist():
         if row not in supports and row not in loads:
-            points.report(
-                row, f"no element joins node {fields.quoted(names[row])}, and no support or load uses it"
-            )
+            message = f"no element joins node {quoted(names[row])}, and no support or load uses it"
+            points.names.add_bare(row, message)

@@ -1,215 +1,145 @@
-"""Nodes and elements from CSV files, column by column; a bad cell is reported at its own place."""
+"""CSV tables: a header and columns of cells, and the line and column of any cell once one is needed."""
 
+import csv
+import io
 import os.path
-from collections.abc import Collection, Sequence
-from functools import partial
-from itertools import chain
+import re
+from array import array
+from collections.abc import Collection, Iterator
+from functools import cached_property
+from itertools import accumulate
 
-import numpy as np
-
-from cgff_cli.errors import Problem, SceneError
-from cgff_cli.scene.csv_text import Table
-from cgff_cli.scene.fields import found, name_fault, number_text_fault, size_fault, sizes_fit, text_numbers
-from cgff_cli.scene.findings import Findings, Where, quoted
+from cgff_cli.errors import SceneError
+from cgff_cli.scene.columns import CellColumn
+from cgff_cli.scene.findings import NOWHERE, Findings, Mark, Where, quoted
 from cgff_cli.scene.keys import key_faults
-from cgff_cli.scene.located import Plain
-from cgff_cli.scene.nodes import Nodes
-from cgff_cli.scene.scene import KINDS, Group
 from cgff_cli.scene.text import read_text, reason
 
-NODE_COLUMNS = ("name", "x", "y", "z")
-ELEMENT_COLUMNS = ("start", "end", "group", "kind", "EA", "rest_length")
+HEADERS = {
+    "nodes": ("name", "x", "y", "z"),
+    "elements": ("start", "end", "group", "kind", "EA", "rest_length"),
+}
+"""Block of a scene -> the columns of its table."""
+
+_OPTIONAL = ("z",)
+_BLANKS = [chr(code) for code in range(128) if chr(code).isspace() and chr(code) not in "\r\n"]
+_CELL = re.compile(r'(?:[^",]++|"[^"]*+")*+,')
 
 
-class _Columns:
-    """A table's cells by column name, stripped; rows that are too short are filled with ""."""
+class Table:
+    """The rows of one CSV file that are not blank, read in one pass, and what is wrong with them.
 
-    def __init__(self, table: Table, required: Collection[str], allowed: Collection[str]):
-        self.table = table
-        self.ragged: set[int] = set()
-        self.by_name: dict[str, list[str]] = {}
-        self.complete = _check_header(table, required, allowed)
-        if self.complete:
-            self._even_out()
+    header : stripped names of the columns
+    cells  : cells of all rows one after another; every row has as many as the header
+    ragged : row -> how many cells it has, where not as many as the header
+    """
 
-    def _even_out(self) -> None:
-        table = self.table
-        width = len(table.header)
-        if table.cells is not None:
-            self.by_name = {column: table.cells[i::width] for i, column in enumerate(table.header)}
-            return
-        if set(map(len, table.rows)) != {width}:
-            self.ragged = {i for i, row in enumerate(table.rows) if len(row) != width}
-        for i in sorted(self.ragged):
-            row = table.rows[i]
-            message = f"this row has {len(row)} cells, the header has {width}"
-            table.add(i, min(len(row) - 1, width), message, alike=message)
-            table.rows[i] = (row + [""] * width)[:width]
-        cells = list(chain.from_iterable(table.rows))
-        self.by_name = {column: cells[i::width] for i, column in enumerate(table.header)}
+    def __init__(self, text: str):
+        self._text = text
+        self._begins = array("l")  # the line of every row, the header's first
+        self._faults: list[tuple[Mark, str]] = []
+        self.findings = Findings(self._faults, self._label)
+        self.header: list[str] = []
+        self.cells: list[str] = []
+        self.ragged: dict[int, int] = {}
+        rows = self._rows(text)
+        self.header = [cell.strip() for cell in next(rows, [])]
+        width = len(self.header)
+        for row in rows:
+            if len(row) != width:
+                self.ragged[len(self._begins) - 2] = len(row)
+                row = (row + [""] * width)[:width]
+            self.cells += row
 
-    def texts(self, column: str) -> list[str]:
-        """Return the cells of a column without blanks around them."""
-        cells = self.by_name[column]
-        return list(map(str.strip, cells)) if self.table.blanks else cells
+    def _rows(self, text: str) -> Iterator[list[str]]:
+        """Yield the rows that are not blank, and keep the line on which each begins."""
+        reader = csv.reader(io.StringIO(text, newline=""), strict=True)
+        begin = 1
+        try:
+            for row in reader:
+                if len(row) > 1 or (row and row[0].strip()):
+                    self._begins.append(begin)
+                    yield row
+                begin = reader.line_num + 1
+        except csv.Error as error:
+            self._faults.append(((begin, 1), f"not valid CSV: {error}"))
 
-    def add(self, row: int, column: str, message: str, alike: str | None = None) -> None:
-        """Record a problem of a cell, unless its whole row has been reported."""
-        if row not in self.ragged:
-            self.table.add(row, self.table.header.index(column), message, alike)
+    def _label(self, where: Where) -> str:
+        return str(where[1]) if len(where) > 1 else ""
 
-    def names(self, column: str) -> list[str]:
-        """Return a column of names, recording every text that cannot be one."""
-        texts = self.texts(column)
-        if not all(texts) or not "".join(texts).isprintable() or max(map(len, texts), default=0) > 200:
-            for row, text in enumerate(texts):
-                if fault := name_fault(text):
-                    self.add(row, column, f"{column}: {fault}")
-        return texts
+    @property
+    def count(self) -> int:
+        """How many rows there are below the header."""
+        return max(len(self._begins) - 1, 0)
 
-    def numbers(self, column: str, lower: str = "") -> np.ndarray | None:
-        """Return a column of numbers, recording every cell that is none or out of its range."""
-        texts = self.texts(column)
-        result = text_numbers(texts)
-        if result is not None and sizes_fit(result, lower):
-            return result
-        for row, text in enumerate(texts):
-            fault = number_text_fault(text)
-            size = None if fault else size_fault(float(text), lower, found(Plain(text)))
-            if fault or size:
-                zeros = column if size and float(text) == 0.0 else None
-                self.add(row, column, f"{column}: {fault or size}", alike=zeros)
-        return None
+    def add(self, row: int, column: int, message: str, alike: str | None = None) -> None:
+        """Record a problem of one cell, without the name of its column; row -1 is the header."""
+        self.findings.add_key((row, column), message, alike)
+
+    def column(self, name: str) -> CellColumn:
+        """Return a column of cells without blanks around them."""
+        index = self.header.index(name)
+        cells = self.cells[index :: len(self.header)]
+        if self._blanks:
+            cells = list(map(str.strip, cells))
+        return CellColumn(self.findings, cells, lambda row: (row, name), cells=True)
+
+    @cached_property
+    def _blanks(self) -> bool:
+        """Whether a cell may begin or end with a blank."""
+        return '"' in self._text or not self._text.isascii() or any(b in self._text for b in _BLANKS)
+
+    def place(self, where: Where, at_key: bool = False) -> Mark:
+        """Return line and column of the first character of a cell."""
+        row, column = int(where[0]), where[1]
+        line, *after = self._begins[row + 1 : row + 3] or (1,)
+        start = offset = self._offsets[line - 1]
+        end = self._offsets[after[0] - 1] if after else len(self._text)
+        for _ in range(self.header.index(column) if isinstance(column, str) else column):
+            cell = _CELL.match(self._text, offset, end)
+            offset = cell.end() if cell else offset
+        while self._text[offset : offset + 1] in (" ", "\t"):
+            offset += 1
+        begin = max(start, self._text.rfind("\n", start, offset) + 1)
+        return line + self._text.count("\n", start, offset), offset - begin + 1
+
+    @cached_property
+    def _offsets(self) -> "array[int]":
+        """Where each line begins."""
+        return array("l", accumulate(map(len, io.StringIO(self._text, newline="")), initial=0))
 
 
-def open_table(findings: Findings, where: Where, file: str, base: str) -> Table | None:
-    """Return the table in a file whose path is relative to `base`, or record why it cannot be read."""
+def open_table(findings: Findings, block: str, file: str, base: str) -> Table | None:
+    """Return the table of a block, in a file below `base`; None where not every row can be read."""
     path = os.path.join(base, file)
     findings.tables.append(path)
     try:
         text = read_text(path)
     except SceneError as error:
-        findings.other_files.append(Unreadable(error.problems))
+        faults = [((line, column), message) for _, line, column, message in error.problems]
+        findings.of_file(path, lambda where, at_key: NOWHERE, Findings(faults))
         return None
     except (OSError, ValueError) as error:
-        findings.add(where, f"cannot read {quoted(path)}: {reason(error)}")
+        findings.add((block,), f"cannot read {quoted(path)}: {reason(error)}")
         return None
-    table = Table(path, text)
-    findings.other_files.append(table)
+    table = Table(text)
+    findings.of_file(path, table.place, table.findings)
+    if not table.findings.none or not _has_header(table, HEADERS[block]):
+        return None
+    for row, count in table.ragged.items():
+        message = f"this row has {count} cells, the header has {len(table.header)}"
+        table.add(row, min(count - 1, len(table.header)), message, alike=message)
+    table.findings.closed.update(table.ragged)
     return table
 
 
-class Unreadable:
-    """A file that is no text."""
-
-    sound = False
-
-    def __init__(self, problems: Sequence[Problem]):
-        self._problems = list(problems)
-
-    def problems(self) -> list[Problem]:
-        """Return where it stops being text."""
-        return self._problems
-
-
-def read_nodes(table: Table) -> Nodes | None:
-    """Return the nodes of a table with columns name, x, y and perhaps z."""
-    columns = _Columns(table, NODE_COLUMNS[:3], NODE_COLUMNS)
-    if not columns.complete:
-        return None
-    names = columns.names("name")
-    rows = dict(zip(names, range(len(names)), strict=True))
-    table_rows: Sequence[int] = range(len(names))
-    if len(rows) < len(names):
-        table_rows = _first_rows(columns, names)
-        rows = {names[row]: i for i, row in enumerate(table_rows)}
-    axes = NODE_COLUMNS[1 : len(table.header)]
-    read = [columns.numbers(axis) for axis in axes]
-    good = [column for column in read if column is not None]
-    coordinates = np.column_stack(good) if table.sound and len(good) == len(axes) else None
-    nodes = Nodes(rows, coordinates, len(axes), lambda row, text: columns.add(table_rows[row], "name", text))
-    if not table.sound:
-        nodes.lost = len(columns.ragged) + sum(map(bool, map(name_fault, rows))) + len(names) - len(rows)
-    return nodes
-
-
-def _first_rows(columns: _Columns, names: list[str]) -> list[int]:
-    """Return where each name stands first, and record every name that stands again."""
-    first: dict[str, int] = {}
-    for row, name in enumerate(names):
-        if first.setdefault(name, row) != row and name:
-            line = columns.table.place(first[name], 0)[0]
-            columns.add(row, "name", f"node {quoted(name)} is defined twice; first on line {line}")
-    return list(first.values())
-
-
-def read_elements(
-    findings: Findings, table: Table, nodes: Nodes | None, law: str | None
-) -> list[Group] | None:
-    """Return the groups of a table, in order of first appearance; None where a cell is wrong."""
-    columns = _Columns(table, ELEMENT_COLUMNS, ELEMENT_COLUMNS)
-    if not columns.complete:
-        return None
-    ends = [_rows(findings, columns, column, nodes) for column in ("start", "end")]
-    EA = columns.numbers("EA", "> 0")
-    rest_length = columns.numbers("rest_length", "> 0" if law == "hooke" else ">= 0")
-    groups, kinds = columns.names("group"), columns.texts("kind")
-    _check_kinds(columns, groups, kinds)
-    if ends[0] is None or ends[1] is None or EA is None or rest_length is None:
-        return None
-    pairs = np.column_stack((ends[0], ends[1]))
-    names = columns.texts("start")
-    for row in np.flatnonzero(pairs[:, 0] == pairs[:, 1]).tolist():
-        columns.add(row, "end", f"node {quoted(names[row])} is joined to itself")
-    return _split(groups, kinds, pairs, EA, rest_length) if table.sound else None
-
-
-def _split(
-    groups: list[str], kinds: list[str], pairs: np.ndarray, EA: np.ndarray, rest_length: np.ndarray
-) -> list[Group]:
-    order = {group: code for code, group in enumerate(dict.fromkeys(groups))}
-    codes = np.fromiter(map(order.__getitem__, groups), np.intp, len(groups))
-    rows = np.argsort(codes, kind="stable")
-    ends = np.cumsum(np.bincount(codes))[:-1]
-    return [
-        Group(name, kinds[rows_of[0]], pairs[rows_of], EA[rows_of], rest_length[rows_of])
-        for name, rows_of in zip(order, np.split(rows, ends), strict=True)
-    ]
-
-
-def _rows(findings: Findings, columns: _Columns, column: str, nodes: Nodes | None) -> np.ndarray | None:
-    rows = nodes.look_up(columns.texts(column)) if nodes else None
-    if rows is None:
-        names = columns.names(column)
-        if nodes is None:
-            return None
-        for row, name in enumerate(names):
-            if name and name not in nodes.rows:
-                nodes.stranger(name, partial(columns.add, row, column))
-    return rows
-
-
-def _check_kinds(columns: _Columns, groups: list[str], kinds: list[str]) -> None:
-    of_group: dict[str, str] = {}
-    uses = set(zip(groups, kinds, strict=True))
-    if len(uses) == len({group for group, _ in uses}) and {kind for _, kind in uses} <= set(KINDS):
-        return
-    for row, (group, kind) in enumerate(zip(groups, kinds, strict=True)):
-        if kind not in KINDS:
-            message = f"kind: must be cable or strut, got {quoted(kind) if kind else 'nothing'}"
-            columns.add(row, "kind", message, alike=message)
-        elif of_group.setdefault(group, kind) != kind:
-            columns.add(row, "kind", f"group {quoted(group)} is of kind {of_group[group]} above, here {kind}")
-
-
-def _check_header(table: Table, required: Collection[str], allowed: Collection[str]) -> bool:
+def _has_header(table: Table, allowed: Collection[str]) -> bool:
     """Record what is wrong with the header and return whether every row can be read by it."""
-    if not table.sound:
-        return False
     header = table.header
+    required = [column for column in allowed if column not in _OPTIONAL]
     faults, missing = key_faults(header, allowed, required, "column")
     if not set(map(str.lower, header)) & set(map(str.lower, allowed)):  # no header at all
-        faults, missing = {}, list(required)
+        faults, missing = {}, required
     for column, fault in faults.items():
         table.add(-1, header.index(column), fault)
     twice = [i for i, column in enumerate(header) if column in allowed and column in header[:i]]
@@ -219,6 +149,6 @@ def _check_header(table: Table, required: Collection[str], allowed: Collection[s
         first = header[0] if len(header) == 1 else ""
         hint = next((f"; cells are split by commas, not by {mark!r}" for mark in ";\t|" if mark in first), "")
         table.add(-1, 0, f"the first line must name the columns, missing: {', '.join(missing)}{hint}")
-    elif table.empty:
+    elif not table.cells:
         table.add(-1, 0, "the table has no rows")
-    return table.sound
+    return table.findings.none

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from typing import Any
 
-from cgff_cli.scene.brackets import deeper, innermost
+from cgff_cli.scene.brackets import CLOSING, brackets, deeper, innermost
 from cgff_cli.scene.findings import quoted
 from cgff_cli.scene.located import DEPTH, FormError, mark_of
 
@@ -54,7 +54,7 @@ def _refuse_depth(text: str, depth: int, last: Any, error: Any) -> None:
     """
     start = _offset(text, last and last.end_mark)
     end = _offset(text, error.context_mark or error.problem_mark)
-    at = deeper(text, start, end + 1, DEPTH - depth)
+    at = deeper(brackets(text, start, end + 1), DEPTH - depth)
     if at is not None:
         raise FormError(mark_of(text, at), f"nested deeper than {DEPTH} levels")
 
@@ -116,12 +116,11 @@ def _bracket_around(text: str, at: int) -> int | None:
 
 
 def _in_brackets(text: str, begun: int, at: int) -> tuple[int, str]:
-    if innermost(text, begun, len(text)) is not None:
+    if innermost(brackets(text, begun, len(text))) is not None:
         return begun, f"the {text[begun]!r} opened here is not closed"
     comma = "a value" if text[at : at + 1] == "," else "','"
-    closing = "]" if text[begun] == "[" else "}"
     line = mark_of(text, begun)[0]
-    return at, f"expected {comma} or {closing!r}; the {text[begun]!r} stands on line {line}"
+    return at, f"expected {comma} or {CLOSING[text[begun]]!r}; the {text[begun]!r} stands on line {line}"
 
 
 def _in_quotes(text: str, begun: int, at: int) -> tuple[int, str]:

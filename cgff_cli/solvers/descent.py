@@ -16,7 +16,7 @@ from cgff_cli.mechanics.state import State
 from cgff_cli.solvers.directions import RULES, Point
 from cgff_cli.solvers.line_search import (
     ENOUGH_DECREASE,
-    FLAT,
+    FLAT_ENOUGH,
     FLAT_ENOUGH_FOR_NEWTON,
     TENFOLD,
     Goal,
@@ -95,7 +95,7 @@ def _step(run: Run, d: np.ndarray, slope: float) -> tuple[float, float, State] |
     alpha, flat = 1.0, FLAT_ENOUGH_FOR_NEWTON
     if not run.preconditioner.is_newton:
         curvature = objective.curvature(state, d)
-        alpha, flat = -slope / curvature if curvature > 0.0 else 1.0, FLAT
+        alpha, flat = -slope / curvature if curvature > 0.0 else 1.0, FLAT_ENOUGH
     there = run.at(state.X + d if alpha == 1.0 else state.X + alpha * d)
     change, slope_there = objective.change(state, there), float(np.vdot(objective.gradient(there), d))
     if not (change <= ENOUGH_DECREASE * alpha * slope and abs(slope_there) <= -flat * slope):

@@ -23,7 +23,7 @@ class Point(NamedTuple):
 
 Solved = Callable[[np.ndarray], np.ndarray]
 Coefficients = tuple[float, float, float]
-Rule = Callable[[Point, Point, np.ndarray, Solved], Coefficients]
+BetaRule = Callable[[Point, Point, np.ndarray, Solved], Coefficients]
 
 
 def fletcher_reeves(new: Point, old: Point, d: np.ndarray, solved: Solved) -> Coefficients:
@@ -51,7 +51,7 @@ def _ratio(above: float, below: float) -> float:
     return float(above / below) if below != 0.0 else 0.0
 
 
-RULES: dict[str, Rule] = {
+RULES: dict[str, BetaRule] = {
     "FR": fletcher_reeves,
     "PR+": polak_ribiere_plus,
     "HS": hestenes_stiefel,

@@ -19,11 +19,14 @@ from cgff_cli.solvers.objectives import Line, Trial
 TENFOLD = 10.0
 """The one factor by which what is too small grows, and what is too large shrinks."""
 
+HUNDREDFOLD = TENFOLD * TENFOLD
+"""Where a little more is not enough."""
+
 MOST_TRIALS = 60
 """Trials on a line, and unstable equilibria left behind, before it is enough."""
 
 ENOUGH_DECREASE = 1e-4
-FLAT = 1.0 / TENFOLD
+FLAT_ENOUGH = 1.0 / TENFOLD
 FLAT_ENOUGH_FOR_NEWTON = 0.5
 
 

@@ -48,8 +48,10 @@ class Energy:
         return state.norm
 
     def curvature(self, state: State, d: np.ndarray) -> float:
-        """Return d.K d."""
-        return float(np.vdot(d, state.tangent_times(d)))
+        """Return d.K d, element by element: half of K d."""
+        W = state.mechanics.connectivity.differences(d)
+        along, square = np.einsum("ab,ab->b", state.V, W), np.einsum("ab,ab->b", W, W)
+        return float(state.parts().w @ (along * along) + state.q @ square)
 
     def noise(self, state: State) -> float:
         """Return the rounding error to expect in a change of P."""

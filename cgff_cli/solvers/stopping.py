@@ -8,8 +8,6 @@ from enum import StrEnum
 from math import sqrt
 from typing import NamedTuple
 
-import numpy as np
-
 from cgff_cli.mechanics.elements import EPS
 from cgff_cli.mechanics.norms import largest, norm
 from cgff_cli.mechanics.state import Mechanics, State
@@ -73,6 +71,12 @@ class Balance(NamedTuple):
         """Residual over reference; the residual itself where there is nothing to compare it with."""
         return self.residual / self.reference if self.reference > 0.0 else self.residual
 
+    def reached(self, tolerance: float) -> Verdict | None:
+        """Return which kind of equilibrium this is, None where it is none."""
+        if self.residual <= tolerance * self.reference:
+            return Verdict.CONVERGED
+        return Verdict.ROUNDING_FLOOR if self.at_floor else None
+
 
 class Gauge:
     """Measures states of one structure; what does not change is computed once."""
@@ -115,11 +119,7 @@ class Gauge:
 
     def rounding_floor(self, state: State) -> float:
         """Return the rounding error of the largest residual component: its elements' forces', summed."""
-        structure, blurred = self.mechanics.structure, self.mechanics.k * state.rounding
-        n = len(structure.free)
-        return float(
-            (np.bincount(structure.start, blurred, n) + np.bincount(structure.end, blurred, n)).max()
-        )
+        return float(self.mechanics.structure.at_nodes(self.mechanics.k * state.rounding).max())
 
     def _largest_force(self, state: State) -> float:
         return max(largest(state.t), self.mechanics.largest_load)

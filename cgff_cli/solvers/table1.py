@@ -89,10 +89,9 @@ class TableOne:
         """Return what was really reached when the loop ended."""
         gauge = Gauge(self.mechanics)
         balance = gauge.measure(self.state)
-        if balance.residual <= self.options.tolerance * balance.reference:
-            return Verdict.CONVERGED
-        if balance.at_floor:
-            return Verdict.ROUNDING_FLOOR
+        reached = balance.reached(self.options.tolerance)
+        if reached is not None:
+            return reached
         force = balance.residual * gauge.largest_stiffness
         flat = float(np.abs(self.objective.gradient(self.state)).max()) <= NEGLIGIBLE * force
         return Verdict.STATIONARY if flat and self.ending is Verdict.STEP_VANISHED else self.ending

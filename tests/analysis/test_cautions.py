@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 import cgff_cli
-from cgff_cli.analysis.cautions import Found, cautions
-from cgff_cli.bench.case import built
-from cgff_cli.bench.suite import cases_of, standard
+from cgff_cli.cautions import Found, cautions
 from cgff_cli.scene.families import FAMILIES
 from cgff_cli.scene.new import new
 from cgff_cli.scene.scene import Scene
+from cgff_cli.study.case import built
+from cgff_cli.study.suite import cases_of, standard
 from tests.bodies import scene
 from tests.solvers.scenes import SHIPPED, shipped
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import cgff_cli
+from cgff_cli.analysis import equilibrium
 from cgff_cli.scene.read import from_dict
 from cgff_cli.scene.scene import Group, Scene
 from tests.analysis.scenes import CORNERS
@@ -59,6 +60,7 @@ def test_prestress_is_told_from_rounding():
 def test_without_analysis_everything_computed_is_null_and_the_names_remain():
     found = cgff_cli.solve(shipped("prism"), analysis="never").analysis
     assert [found[name] for name in (*JUDGED, *COUNTED)] == [None] * 10
+    assert set(found["reason"].values()) == {"not computed: analysis is off (analysis: never)"}
     assert found["slack_count"] == 0
     assert found["prestressed"] is True
 
@@ -68,14 +70,38 @@ def test_short_of_an_equilibrium_stability_is_null_and_ranks_are_not(options):
     result = cgff_cli.solve(shipped("hexagon"), **options)
     assert not result.converged
     assert [result.analysis[name] for name in JUDGED] == [None] * 4
+    told = dict.fromkeys(JUDGED, "no equilibrium was reached, so stability is not told")
+    assert result.analysis["reason"] == told
     assert None not in [result.analysis[name] for name in COUNTED]
 
 
-def test_ranks_of_large_scenes_are_counted_only_when_asked():
+def test_ranks_of_very_large_scenes_are_counted_only_when_asked(monkeypatch):
     net = from_dict(hypar_net(12).scene("paper"))
+    monkeypatch.setattr(equilibrium, "MOST", 362)
     unasked = cgff_cli.solve(net).analysis
-    assert [unasked[name] for name in (*COUNTED, "super_stable")] == [None] * 7
+    left_out = (*COUNTED, "smallest_stiffness", "super_stable")
+    assert [unasked[name] for name in left_out] == [None] * 8
+    assert {unasked["reason"][name] for name in left_out} == {
+        "not computed: more than 362 free directions; ask with --analysis always"
+    }
+    assert unasked["stable"] is True
     asked = cgff_cli.solve(net, analysis="always").analysis
     assert (asked["stable"], asked["super_stable"]) == (True, True)
     # 121 free nodes, 264 cables, one self-stress.
     assert (asked["self_stress_states"], asked["mechanisms"]) == (1, 3 * 121 - 264 + 1)
+    assert asked["reason"] == {}
+
+
+@pytest.mark.parametrize("name", ["prism", "bracket", "cable-net"])
+def test_nothing_is_null_without_a_reason(name):
+    for options in ({}, {"max_iterations": 1}, {"analysis": "never"}):
+        found = cgff_cli.solve(shipped(name), **options).analysis
+        assert {field for field, value in found.items() if value is None} == set(found["reason"])
+
+
+def test_where_all_that_moves_is_idle_no_stiffness_is_told_and_why():
+    bar = scene(CORNERS[:2], [(0, 1, "strut", 10.0, 2.0)])
+    found = cgff_cli.solve(bar).analysis
+    assert found["smallest_stiffness"] is not None
+    found = cgff_cli.solve(scene(CORNERS[:2], [(0, 1, "strut", 10.0, 2.0)], {0: "xy", 1: "xy"})).analysis
+    assert list(found["reason"]) == ["smallest_stiffness"]

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from cgff_cli.bench import measure
-from cgff_cli.bench.jobs import TIME_LIMIT
-from cgff_cli.bench.measure import ROW_FIELDS
+from cgff_cli.study import measure
+from cgff_cli.study.bench import TIME_LIMIT
+from cgff_cli.study.measure import ROW_FIELDS
 from tests.cli.conftest import Run
 
 HARD = Path(__file__).parents[1] / "hard"

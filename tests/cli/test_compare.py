@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from cgff_cli.comparison import compare
 from cgff_cli.report import plots
 from cgff_cli.rivals.registry import REGISTRY
 from cgff_cli.scene.scene import Scene
+from cgff_cli.study import compare
 from tests.cli.conftest import STRUCTURES, Run
 
 ONCE = ("--repeat", "1")

@@ -130,13 +130,14 @@ def test_an_interrupt_outside_the_solver_is_130(run: Run, monkeypatch: pytest.Mo
 
 
 def test_an_interrupted_analysis_is_130_and_leaves_the_solution(run: Run, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(equilibrium, "rank_conditions", _interrupted)
+    monkeypatch.setattr(equilibrium, "Ranks", _interrupted)
     ended = run("solve", "prism.yaml", "bracket.yaml", "--out-dir", "out", "-q")
     assert ended.exit_code == 130
     assert [path.name for path in Path("out").iterdir()] == ["prism.json"]
     result = json.loads(Path("out/prism.json").read_text())
     assert (result["verdict"], result["analysis"]["stable"]) == ("converged", None)
     assert result["analysis"]["slack_count"] == 0
+    assert result["analysis"]["reason"]["stable"] == "not computed: the analysis was interrupted"
     assert result["message"].endswith("; its analysis was interrupted")
     assert ended.stderr == f"cgff: prism.yaml: converged: {result['message']}\n"
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from cgff_cli.cli import COMMANDS
 from tests.cli.conftest import STRUCTURES
 
 CGFF = [sys.executable, "-m", "cgff_cli"]
@@ -87,6 +88,19 @@ def test_ctrl_c_writes_the_last_state_and_starts_no_other_scene(tmp_path: Path):
     assert len(result["nodes"]) == 201
 
 
+def test_ctrl_c_writes_the_last_state_of_what_other_processes_have_begun(tmp_path: Path):
+    paths = [_long_chain(tmp_path, 200), str(tmp_path / "other.json"), str(tmp_path / "third.json")]
+    for path in paths[1:]:
+        Path(path).write_bytes(Path(paths[0]).read_bytes())
+    arguments = [PRISM, *paths, "--jobs", "2", "--out-dir", str(tmp_path / "out"), *SLOWLY[2:], *SLOWLY[:2]]
+    code, words = _interrupt_when_shown([*CGFF, "solve", *arguments], b"1 of 4 scenes")
+    assert code == 130
+    assert b"Traceback" not in words
+    written = [json.loads(path.read_text()) for path in sorted((tmp_path / "out").iterdir())]
+    assert [result["verdict"] for result in written][-1] == "converged"
+    assert {result["verdict"] for result in written[:-1]} <= {"interrupted"}
+
+
 def test_ctrl_c_leaves_the_cases_already_measured(tmp_path: Path):
     out = tmp_path / "out.json"
     slowly = SLOWLY[2:]  # the methods stand for the objective
@@ -100,11 +114,12 @@ def test_ctrl_c_leaves_the_cases_already_measured(tmp_path: Path):
 @pytest.mark.parametrize(
     ("arguments", "unwanted"),
     [
-        (["--help"], {"numpy", "yaml", "rich", "scipy", "json"}),
-        (["solve", "--help"], {"numpy", "yaml", "rich", "scipy", "json"}),
+        *(
+            ([*command, "--help"], {"numpy", "yaml", "rich", "scipy", "json"})
+            for command in ([], *([name] for name in COMMANDS))
+        ),
         (["solve", PRISM, "-o", "out.json"], {"scipy", "rich", "csv"}),
         (["check", PRISM], {"scipy", "rich", "json"}),
-        (["bench", "--help"], {"numpy", "yaml", "rich", "scipy", "json"}),
     ],
 )
 def test_only_what_is_needed_is_imported(tmp_path: Path, arguments: list[str], unwanted: set[str]):
@@ -137,6 +152,27 @@ def test_colour_can_be_asked_for_and_refused():
     assert b"\x1b" not in _on_terminal([*CGFF, "solve", PRISM, "--no-color"], ENVIRONMENT)
     asked = [*CGFF, "--color", "solve", PRISM, "--format", "table"]
     assert b"\x1b[1;32mconverged" in subprocess.run(asked, capture_output=True, env=ENVIRONMENT).stdout
+
+
+DOUBLE = Path(PRISM).read_text().replace("[n1, n2]", "[n1, n2], [n1, n2]")
+
+
+def test_a_warning_is_told_once_on_the_page_or_else_on_standard_error(tmp_path: Path):
+    scene = tmp_path / "double.yaml"
+    scene.write_text(DOUBLE)
+    for flags in ([], ["-o", "out.json"]):
+        command = [*CGFF, "solve", str(scene), *flags]
+        shown = _on_terminal(command, {**ENVIRONMENT, "NO_COLOR": "1"}, tmp_path)
+        assert b" ".join(shown.split()).count(b"joined by more than one element") == 1, flags
+
+
+@pytest.mark.parametrize("width", [40, 60, 80])
+def test_a_line_of_check_keeps_to_the_width_of_a_terminal(tmp_path: Path, width: int):
+    lines = (
+        _on_terminal([*CGFF, "check", PRISM], {**ENVIRONMENT, "COLUMNS": str(width)}).decode().split("\r\n")
+    )
+    assert max(map(len, lines)) <= width
+    assert " ".join("".join(lines).split()).endswith("law paper")
 
 
 SLOWLY = ["--objective", "residual", "--preconditioner", "none", "--max-iterations", "1e15"]
@@ -181,10 +217,10 @@ def _heed_ctrl_c() -> None:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-def _on_terminal(command: list[str], environment: dict[str, str]) -> bytes:
+def _on_terminal(command: list[str], environment: dict[str, str], folder: Path | None = None) -> bytes:
     ours, theirs = pty.openpty()
     environment = {**environment, "TERM": "xterm-256color"}
-    solving = subprocess.Popen(command, stdout=theirs, stderr=theirs, env=environment)
+    solving = subprocess.Popen(command, stdout=theirs, stderr=theirs, env=environment, cwd=folder)
     os.close(theirs)
     shown = _read_until(ours, None)
     assert solving.wait(timeout=60) == 0

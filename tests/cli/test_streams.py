@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -35,6 +36,19 @@ def test_a_standard_output_that_cannot_be_written_is_1_and_a_line(command: list[
     said = "cgff: standard output: cannot be written: "
     assert _redirected(command, ">&-") == (1, f"{said}Bad file descriptor\n")
     assert _redirected(command, ">/dev/full") == (1, f"{said}No space left on device\n")
+
+
+def test_a_closed_standard_output_is_closed_by_its_file_name_too():
+    said = "cgff: /dev/stdout: cannot be written: Bad file descriptor\n"
+    assert _redirected(["solve", PRISM, "-o", "/dev/stdout"], ">&-") == (1, said)
+    assert _redirected(["new", "prism", "-o", "/dev/stdout"], ">&-") == (1, said)
+
+
+def test_standard_output_by_its_file_name_is_added_to_and_not_written_over(tmp_path: Path):
+    out = tmp_path / "out"
+    out.write_text("before\n")
+    assert _redirected(["new", "prism", "-o", "/dev/stdout"], f">> {out}") == (0, "")
+    assert out.read_text().startswith("before\n# Prism")
 
 
 @every_command

@@ -9,10 +9,10 @@ import numpy as np
 import yaml
 
 import cgff_cli
-from cgff_cli.bench.case import Case as Entry
-from cgff_cli.bench.case import built
-from cgff_cli.bench.expectation import agrees, as_expected, outcome
-from cgff_cli.bench.suite import cases_of
+from cgff_cli.study.case import Case as Entry
+from cgff_cli.study.case import built
+from cgff_cli.study.expectation import agrees, as_expected, outcome
+from cgff_cli.study.suite import cases_of
 
 FOLDER = Path(__file__).parent
 FILES = ("ends.yaml", "scales.yaml", "shapes.yaml", "large.yaml")

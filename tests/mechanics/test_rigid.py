@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cgff_cli.mechanics.connectivity import dense
-from cgff_cli.mechanics.rigid import idle_motions, rigid_motions
+from cgff_cli.mechanics.rigid import RigidMotions
 from tests.bodies import random_body
 from tests.states import state_of
 
@@ -20,7 +20,7 @@ def motions(X: np.ndarray, supports: dict[int, str] | None = None) -> tuple[np.n
     free = np.ones(X.shape, dtype=bool)
     for row, axes in (supports or {}).items():
         free[row, ["xyz".index(axis) for axis in axes]] = False
-    return rigid_motions(X.T, free.T), free.T
+    return RigidMotions(X.T, free.T).basis, free.T
 
 
 @pytest.mark.parametrize(
@@ -96,4 +96,4 @@ def test_a_rigid_motion_is_idle_where_it_turns_no_force(supports, load, idle):
         free[row, ["xyz".index(axis) for axis in axes]] = False
     F = np.zeros(SPACE.shape)
     F[2] = load
-    assert idle_motions(SPACE.T, free.T, F.T, 0.0).shape[1] == idle
+    assert RigidMotions(SPACE.T, free.T).idle(F.T, 0.0).shape[1] == idle

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from cgff_cli import loads, solve
-from cgff_cli.report.result import Result
+from cgff_cli.result import Result
 from cgff_cli.solvers.solution import Solution
 
 TRIANGLE = """\

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cgff_cli.report import columns, csv_out
-from cgff_cli.report.result import Result
+from cgff_cli.result import Result
 from tests.report.conftest import MakeResult
 
 
@@ -17,7 +17,7 @@ def _rows(chunks: Iterable[str]) -> list[list[str]]:
 
 
 def test_coordinates_read_back_exactly(triangle: Result):
-    header, *rows = _rows(csv_out.coordinates(triangle))
+    header, *rows = _rows(csv_out.coordinate_table(triangle))
     assert header == ["name", "x", "y"]
     assert {name: [float(x) for x in position] for name, *position in rows} == triangle.nodes
 
@@ -57,6 +57,6 @@ def test_numpy_scalars_are_numbers(altered: MakeResult):
 
 
 def test_blocks_join_without_a_seam(triangle: Result, monkeypatch: pytest.MonkeyPatch):
-    whole = "".join(csv_out.elements(triangle)), "".join(csv_out.coordinates(triangle))
+    whole = "".join(csv_out.elements(triangle)), "".join(csv_out.coordinate_table(triangle))
     monkeypatch.setattr(columns, "BLOCK_ROWS", 1)
-    assert ("".join(csv_out.elements(triangle)), "".join(csv_out.coordinates(triangle))) == whole
+    assert ("".join(csv_out.elements(triangle)), "".join(csv_out.coordinate_table(triangle))) == whole

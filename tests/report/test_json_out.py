@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cgff_cli.report import columns, json_out
-from cgff_cli.report.result import FIELDS, Result
+from cgff_cli.result import FIELDS, Result
 from tests.report.conftest import MakeResult
 
 values = st.recursive(
@@ -115,7 +115,6 @@ def test_what_has_no_json_form_is_refused():
 def test_blocks_join_without_a_seam(triangle: Result, monkeypatch: pytest.MonkeyPatch):
     whole = _pretty(triangle)
     monkeypatch.setattr(columns, "BLOCK_ROWS", 1)
-    monkeypatch.setattr(json_out, "_BATCH", 1)
     assert _pretty(triangle) == whole
 
 
@@ -126,4 +125,4 @@ def test_the_long_tables_are_made_as_they_are_written(triangle: Result, monkeypa
 
 
 def test_a_table_of_elements_alone(triangle: Result):
-    assert json.loads("".join(json_out.elements(triangle))) == triangle.elements
+    assert json.loads("".join(json_out.element_records(triangle))) == triangle.elements

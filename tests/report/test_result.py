@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from cgff_cli import loads, solve
-from cgff_cli.report.result import Result
+from cgff_cli.result import Result
 
 SPRINGS = """\
 law: paper

@@ -5,12 +5,12 @@ import re
 import pytest
 
 from cgff_cli import loads, solve
-from cgff_cli.report.result import Result
-from cgff_cli.report.rows import summary_row
 from cgff_cli.report.summary import summary_text
 from cgff_cli.report.table import FEW, analysis_words, result_text
 from cgff_cli.report.terminal import numbers
+from cgff_cli.result import Result
 from cgff_cli.solvers.stopping import Verdict
+from cgff_cli.study.scenes import summary_row
 from tests.report.conftest import MakeResult
 
 

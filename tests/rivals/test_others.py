@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import cgff_cli
-from cgff_cli.comparison.compare import chosen
-from cgff_cli.comparison.record import Comparison, Method
 from cgff_cli.rivals.registry import REGISTRY
+from cgff_cli.study.compare import chosen
+from cgff_cli.study.record import Comparison, Method
 from tests.bodies import scene as body
 from tests.shapes import STRUCTURES
 
@@ -143,7 +143,7 @@ def test_a_time_limit_ends_a_run_where_it_is():
 
 
 def test_a_rival_that_breaks_is_a_row(monkeypatch: pytest.MonkeyPatch):
-    def broken(task):
+    def broken(task, trace):
         raise ZeroDivisionError("by nothing")
 
     monkeypatch.setitem(REGISTRY, "lm", REGISTRY["lm"]._replace(run=broken))

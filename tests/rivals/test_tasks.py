@@ -8,8 +8,9 @@ import pytest
 from cgff_cli.mechanics.state import Mechanics
 from cgff_cli.options import SolveOptions
 from cgff_cli.rivals.scipy_solvers import System
-from cgff_cli.rivals.task import Reference, Task, centred
+from cgff_cli.rivals.task import Task, centred
 from cgff_cli.rivals.trace import Stop, Trace
+from cgff_cli.solvers.cgff import form_find
 from cgff_cli.solvers.stopping import Gauge, Watch
 from tests.bodies import random_body
 
@@ -19,9 +20,9 @@ def trace_of(structure, watch=None, time_limit=60.0, distance=None) -> Trace:
 
 
 def system_of(structure) -> System:
-    reference = Reference(structure.coordinates, np.ones(len(structure.start)))
     groups = np.zeros(len(structure.start), dtype=int)
-    return System(Task(structure, groups, SolveOptions(), trace_of(structure), reference))
+    best = form_find(structure, SolveOptions(max_iterations=0))
+    return System(Task(structure, groups, SolveOptions(), best), trace_of(structure))
 
 
 def test_the_clock_stands_still_while_a_shape_is_measured():

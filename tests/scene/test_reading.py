@@ -230,6 +230,14 @@ def test_python_values_are_refused_like_those_of_a_file():
     ]
 
 
+def test_a_load_of_no_numbers_is_refused_where_no_node_tells_the_dimension_too():
+    with pytest.raises(cgff_cli.SceneError) as caught:
+        scene_with(nodes=3, loads={"a": []})
+    assert str(caught.value).split("\n")[0] == (
+        "<python>: loads.a: must be a list of 2 or 3 numbers, got an empty list"
+    )
+
+
 def test_a_python_list_that_holds_itself_is_refused():
     ring = []
     ring.append(ring)
@@ -327,6 +335,60 @@ def test_loads_must_balance_on_a_free_part_of_any_size(extra):
 
 def test_a_support_along_the_load_balances_it():
     assert scene_with(loads={"b": [0, 0, -1]}, supports={"a": "z"}).loads == {1: (0.0, 0.0, -1.0)}
+
+
+@pytest.mark.parametrize("indent", [None, 1])
+def test_a_mistake_in_json_is_found_where_it_stands_behind_whatever(indent):
+    values = {
+        **TRIANGLE,
+        "name": 'brackets ]}{[ and \\" in "quotes"',
+        "supports": {"a": "x", "b": "y"},
+        "loads": {"a": [1, 0, 0], "b": [-1e0, True, 10**40]},
+    }
+    text = json.dumps(values, indent=indent)
+    with pytest.raises(cgff_cli.SceneError) as caught:
+        cgff_cli.loads(text, "scene.json")
+    found = [(problem.line, problem.column, problem.message) for problem in caught.value.problems]
+    places = [text.index("true"), text.index("1" + 40 * "0")]
+    lines = [text.count("\n", 0, at) + 1 for at in places]
+    assert found == [
+        (line, at - text.rfind("\n", 0, at), message)
+        for line, at, message in zip(
+            lines,
+            places,
+            [
+                "loads.b[1]: must be a number such as 2.98 or 1e-8, got true",
+                "loads.b[2]: must not exceed 1e30 in size, got 1" + 40 * "0",
+            ],
+            strict=True,
+        )
+    ]
+
+
+def test_one_mistake_in_a_large_json_scene_takes_about_as_long_as_reading_it():
+    nodes = {f"n{i}": [i / 3, i / 7, 1.0] for i in range(50_000)}
+    nodes["n40000"] = [None, 0, 0]
+    pairs = [[f"n{i}", f"n{i + 1}"] for i in range(49_999)]
+    ring = {"kind": "cable", "EA": 1.0, "rest_length": 1.5, "pairs": pairs}
+    text = json.dumps({"law": "hooke", "nodes": nodes, "elements": {"ring": ring}})
+    start = time.process_time()
+    with pytest.raises(cgff_cli.SceneError) as caught:
+        cgff_cli.loads(text, "scene.json")
+    assert time.process_time() - start < 2.0
+    column = text.index("null") + 1
+    message = "nodes.n40000[0]: must be a number such as 2.98 or 1e-8, got null"
+    assert str(caught.value) == f"scene.json:1:{column}: {message}"
+
+
+def test_many_mistakes_in_json_are_found_in_one_walk():
+    nodes = {f"n{i}": ["1", i, 1.0] for i in range(5000)}
+    pairs = [[f"n{i}", f"m{i + 1}"] for i in range(4999)]
+    ring = {"kind": "cable", "EA": -1.0, "rest_length": [-1.5] * 4999, "pairs": pairs}
+    text = json.dumps({"law": "hooke", "nodes": nodes, "elements": {"ring": ring}})
+    start = time.process_time()
+    with pytest.raises(cgff_cli.SceneError, match="more problems, the last one here"):
+        cgff_cli.loads(text, "scene.json")
+    assert time.process_time() - start < 3.0
 
 
 def test_a_large_json_scene_reads_in_about_a_second():

@@ -7,7 +7,8 @@ import cgff_cli
 from cgff_cli.mechanics.state import Mechanics
 from cgff_cli.options import SolveOptions
 from cgff_cli.solvers.cgff import form_find
-from cgff_cli.solvers.continuation import GROWTH, mixed, stages
+from cgff_cli.solvers.continuation import mixed, stages
+from cgff_cli.solvers.line_search import HUNDREDFOLD
 from cgff_cli.solvers.preconditioners import tangent
 from cgff_cli.solvers.run import Run
 from cgff_cli.structure import from_scene
@@ -40,7 +41,7 @@ def test_stiff_and_soft_links_in_turn_hang_in_balance():
 def test_stages_go_from_soft_to_stiff_and_leave_soft_elements_alone():
     structure = body([[0, 0], [1, 0], [2, 0]], [(0, 1, "strut", 1.0, 1.0), (1, 2, "strut", 1e6, 1.0)])
     softer = [stage.stiffness for stage in stages(structure)]
-    assert [float(k[1]) for k in softer] == pytest.approx([1.0, GROWTH, GROWTH**2], rel=0.02)
+    assert [float(k[1]) for k in softer] == pytest.approx([1.0, HUNDREDFOLD, HUNDREDFOLD**2], rel=0.02)
     assert softer[-1][0] == pytest.approx(1.0, rel=1e-3)
 
 

@@ -90,6 +90,19 @@ def test_an_upright_mast_of_many_struts_falls_over_and_is_then_called_stable(eve
     assert stability_of_large(upright.state, "superlu", upright.balance.floor)["stability"] == "unstable"
 
 
+def test_forces_left_over_do_not_hide_a_way_down(every_scene_is_large):
+    # Two struts in line, pressed; two soft ones across just fail to hold the node between them.
+    points = [[-1.0, 0.0], [1e-3, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, -1.0]]
+    bars = [(0, 1, "strut", 100.0, 1.01), (1, 2, "strut", 100.0, 1.01)]
+    bars += [(1, row, "strut", 0.99, 1.0) for row in (3, 4)]
+    mechanics = Mechanics(body(points, bars, dict.fromkeys((0, 2, 3, 4), "xy")))
+    state = mechanics.at(mechanics.start)
+    d = SparseTangent(mechanics, False, "superlu").steepest_fall(state)
+    assert abs(d[1, 0]) == pytest.approx(1.0, abs=1e-3)
+    assert -1e-3 < np.vdot(d, state.tangent_times(d)) < 0.0
+    assert state.norm > 1e-3
+
+
 def test_large_and_small_agree_on_what_is_stable(every_scene_is_large):
     triangle = body(
         [[0, 0], [1, 0], [0.5, 0.9]], [(i, j, "strut", 1.0, 1.0) for i, j in ((0, 1), (1, 2), (2, 0))]
@@ -148,3 +161,14 @@ def test_parts_that_float_apart_are_all_solved(every_scene_is_large):
     )
     found = form_find(both, SolveOptions(factor="superlu"))
     assert found.verdict.converged
+
+
+@pytest.mark.parametrize("factor", FACTORS)
+def test_a_long_tower_far_off_comes_to_rest_whatever_the_factor(factor):
+    # SuperLU factors indefinite matrices too: one that was not looked at led nowhere.
+    exact, far = tower(1000), tower(1000, noise=0.2, seed=1)
+    found = form_find(far, SolveOptions(factor=factor))
+    assert found.verdict.converged
+    assert found.iterations < 60
+    lengths = np.linalg.norm(exact.coordinates[exact.start] - exact.coordinates[exact.end], axis=1)
+    assert found.lengths == pytest.approx(lengths, rel=1e-6)

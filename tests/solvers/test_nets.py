@@ -11,6 +11,7 @@ from cgff_cli.options import SolveOptions
 from cgff_cli.solvers.cgff import form_find
 from cgff_cli.solvers.preconditioners import choose
 from cgff_cli.solvers.preconditioners.frames import NodeFrames
+from cgff_cli.solvers.preconditioners.planes import local_frames
 from cgff_cli.solvers.preconditioners.sparse import SparseTangent
 from cgff_cli.structure import from_scene
 from tests.bodies import body
@@ -67,7 +68,7 @@ def test_frames_precondition_with_a_gauss_seidel_sweep_over_k_in_their_own_axes(
     M.refresh(state)
     d, m = state.X.shape
     Q = np.zeros((d, m, d, m))  # rows: local direction, node; columns: axis, node
-    Q[:, np.arange(m), :, np.arange(m)] = M.frames.transpose(1, 0, 2)
+    Q[:, np.arange(m), :, np.arange(m)] = M.frames.transpose(2, 0, 1)
     Q = Q.reshape(d * m, d * m)
     local = Q @ state.dense_tangent() @ Q.T
     direction = np.repeat(np.arange(d), m)
@@ -77,6 +78,22 @@ def test_frames_precondition_with_a_gauss_seidel_sweep_over_k_in_their_own_axes(
     g = np.random.default_rng(0).normal(size=(d, m))
     x = np.linalg.solve(sweep, Q @ g.reshape(-1))
     assert M.apply(g).reshape(-1) == pytest.approx(Q.T @ x, abs=1e-9 * np.abs(x).max())
+
+
+@pytest.mark.parametrize("shear", [0.0, 0.5])
+def test_tangents_of_a_skew_flat_net_stretch_hardly_more_than_one_family_of_cables_each(shear):
+    structure = net(side=20, rise=0.0)
+    X = structure.coordinates + shear * structure.coordinates[:, [1]] * [1.0, 0.0, 0.0]
+    mechanics = Mechanics(replace(structure, coordinates=X))
+    state = mechanics.at(mechanics.start)
+    pattern = NodeFrames(mechanics, "superlu").pattern
+    u = state.V / state.l
+    first, second, normal = local_frames(pattern, mechanics.k, u)
+    along_x, skew = u[:, 0], u[:, -1]
+    assert np.abs(normal[2]) == pytest.approx(np.ones(pattern.size))
+    most = 0.3 * abs(skew @ along_x) + 2e-3
+    assert skew @ first == pytest.approx(np.zeros(pattern.size), abs=most)
+    assert along_x @ second == pytest.approx(np.zeros(pattern.size), abs=most)
 
 
 @pytest.mark.parametrize("factor", FACTORS)

@@ -6,7 +6,7 @@ from typing import Annotated
 from cgff_cli.errors import OptionError
 from cgff_cli.scene.equilibrium import Equilibrium, Prestress, members, tightened
 from cgff_cli.scene.families.rings import ring_nodes, ring_pairs, stage_pairs
-from cgff_cli.scene.parameters import Rule
+from cgff_cli.values import Rule
 
 EXAMPLES = (
     "cgff new prism",

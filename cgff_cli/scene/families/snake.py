@@ -7,7 +7,7 @@ import numpy as np
 
 from cgff_cli.errors import OptionError
 from cgff_cli.scene.equilibrium import Equilibrium, Prestress, members, tightened
-from cgff_cli.scene.parameters import Rule
+from cgff_cli.values import Rule
 
 EXAMPLES = (
     "cgff new snake --modules 6",

@@ -5,7 +5,7 @@ from typing import Annotated
 import numpy as np
 
 from cgff_cli.scene.equilibrium import Equilibrium, Prestress, members, tightened
-from cgff_cli.scene.parameters import Rule
+from cgff_cli.values import Rule
 
 EXAMPLES = (
     "cgff new x-tower --stages 5",

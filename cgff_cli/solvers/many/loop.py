@@ -15,8 +15,8 @@ from cgff_cli.mechanics import elements
 from cgff_cli.mechanics.elements import EPS
 from cgff_cli.options import SolveOptions
 from cgff_cli.solvers.line_search import ENOUGH_DECREASE, FLAT_ENOUGH_FOR_NEWTON, MOST_TRIALS, TENFOLD
-from cgff_cli.solvers.many.rows import Rows, Topology, dot, flat, norms, solved
-from cgff_cli.solvers.many.signs import OPEN, WORDS, measured, signs
+from cgff_cli.solvers.many.rows import Batch, Topology, dot, flat, norms, solved
+from cgff_cli.solvers.many.signs import OPEN, WORDS, references, signs
 from cgff_cli.solvers.preconditioners.base import FIRST_SHIFT, LONG_STEP, QUARTER
 from cgff_cli.structure import Structure
 
@@ -71,9 +71,9 @@ class Loop:
                     parts.append(self._begun(begun, begun + room))
                     begun += room
                 columns = {key: np.concatenate([vars(part)[key] for part in parts]) for key in vars(rows)}
-                rows = Rows(**columns)
+                rows = Batch(**columns)
 
-    def _begun(self, first: int, last: int) -> Rows:
+    def _begun(self, first: int, last: int) -> Batch:
         """Return rows at their starts, with their first directions."""
         number = np.arange(first, min(last, len(self.answers.alone)))
         names = ("coordinates", "stiffness", "rest_lengths", "loads")
@@ -82,7 +82,7 @@ class Loop:
         r.mu, r.best = np.full(len(number), FIRST_SHIFT), np.full(len(number), np.inf)
         return self._set_out(r, self.topology.at(r, np.zeros_like(r.F)))
 
-    def _step(self, r: Rows) -> list[Rows]:
+    def _step(self, r: Batch) -> list[Batch]:
         """Evaluate rows at the ends of their steps; return those that search on, and that set out again."""
         r.waited += 1
         step = r.alpha[:, None] * r.d
@@ -99,7 +99,7 @@ class Loop:
         r.iteration += 1
         return [search, self._set_out(r, s)]
 
-    def _set_out(self, r: Rows, s: Rows) -> Rows:
+    def _set_out(self, r: Batch, s: Batch) -> Batch:
         """Return the rows that go on from states s, with full steps along -M^-1 g.
 
         Where K and its shift have no Cholesky factor, M is without negative force densities; where that has
@@ -116,7 +116,7 @@ class Loop:
         r.high = np.full((len(z), 2), np.inf)
         return r
 
-    def _goes_on(self, r: Rows, s: Rows) -> np.ndarray:
+    def _goes_on(self, r: Batch, s: Batch) -> np.ndarray:
         """Return which rows go on, (N,) bool, and note those that balance.
 
         Of these go on those that are to be nearer before their signs are sure.
@@ -126,7 +126,7 @@ class Loop:
         residual, tolerance = np.abs(s.g).max(1), self.options.tolerance
         goes = (r.waited < MOST_TRIALS) & (r.iteration < self.options.max_iterations)
         near = np.flatnonzero(residual <= tolerance * np.maximum((r.k * s.l).max(1), r.load))
-        reference, floor = measured(self.topology, r.take(near), s.take(near))
+        reference, floor = references(self.topology, r.take(near), s.take(near))
         relative = residual[near] / reference
         near, relative, floor = (column[relative <= tolerance] for column in (near, relative, floor))
         found = signs(self.topology, r.take(near), s.take(near), floor)
@@ -135,7 +135,7 @@ class Loop:
         self._note(r.take(near[sure]), s.take(near[sure]), relative[sure], found[sure])
         return goes
 
-    def _note(self, r: Rows, s: Rows, relative: np.ndarray, found: np.ndarray) -> None:
+    def _note(self, r: Batch, s: Batch, relative: np.ndarray, found: np.ndarray) -> None:
         """Write down the answers of rows, in the user's units."""
         number, to, X = r.number, self.answers, s.X.swapaxes(1, 2) + r.centre[:, None]
         to.coordinates[number] = np.where(self.free, X, self.values["coordinates"][number])
@@ -145,7 +145,7 @@ class Loop:
         to.stability[number], to.alone[number] = WORDS[found], False
 
 
-def _searched(r: Rows, slope: np.ndarray, descends: np.ndarray) -> Rows:
+def _searched(r: Batch, slope: np.ndarray, descends: np.ndarray) -> Batch:
     """Return rows with the next trials of their lines: by secants, or halves, as in `line_search`."""
     trial = np.stack((r.alpha, slope), axis=1)
     is_low = (descends & (slope < 0.0))[:, None]

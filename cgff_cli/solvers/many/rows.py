@@ -14,17 +14,17 @@ from scipy.linalg.lapack import dposv
 from cgff_cli.mechanics import elements, tangent
 from cgff_cli.mechanics.connectivity import dense
 from cgff_cli.mechanics.elements import EPS
-from cgff_cli.mechanics.rigid import turns
+from cgff_cli.mechanics.rigid import generators
 from cgff_cli.structure import Structure
 
 
-class Rows(SimpleNamespace):
+class Batch(SimpleNamespace):
     """Columns by name, each with the row first."""
 
-    def take(self, which: np.ndarray) -> "Rows":
+    def take(self, which: np.ndarray) -> "Batch":
         """Return some rows, copied; which: (N,) bool, or their numbers."""
         chosen = np.flatnonzero(which) if which.dtype == bool else which
-        return Rows(**{name: column.take(chosen, axis=0) for name, column in vars(self).items()})
+        return Batch(**{name: column.take(chosen, axis=0) for name, column in vars(self).items()})
 
 
 class Topology:
@@ -51,7 +51,7 @@ class Topology:
         kinds = np.minimum(kinds, kinds.T)[node[:, None], node]
         self.places = ((axis[:, None] * d + axis) * (c + 1) + kinds).reshape(-1)
 
-    def begun(self, X: np.ndarray, k: np.ndarray, l0: np.ndarray, loads: np.ndarray) -> Rows:
+    def begun(self, X: np.ndarray, k: np.ndarray, l0: np.ndarray, loads: np.ndarray) -> Batch:
         """Return starts, each about its centroid, and what stays the same while rows move.
 
         X, loads: (N, n, d); k, l0: (N, b). S: (N, f) stiffness of all elements at a node; load: the largest.
@@ -62,9 +62,9 @@ class Topology:
         S = (k[:, None] @ np.abs(self.rho))[:, 0].take(self.free % X.shape[1], axis=1)
         X = np.ascontiguousarray((X - centre[:, None]).swapaxes(1, 2))
         at_start = (k * elements.lengths((X @ self.rho.T).swapaxes(0, 1))).max(1)
-        return Rows(X=X, k=k, l0=l0, F=F, S=S, load=np.abs(F).max(1), centre=centre, at_start=at_start)
+        return Batch(X=X, k=k, l0=l0, F=F, S=S, load=np.abs(F).max(1), centre=centre, at_start=at_start)
 
-    def at(self, r: Rows, step: np.ndarray) -> Rows:
+    def at(self, r: Batch, step: np.ndarray) -> Batch:
         """Return the columns of a State at the ends of steps, (N, f); g is (N, f)."""
         X = r.X.copy()
         flat(X)[:, self.free] += step
@@ -78,9 +78,9 @@ class Topology:
         reach = np.abs(X).max(1)
         far = np.maximum(reach.take(self.start, axis=1), reach.take(self.end, axis=1))
         taut, rounding = elements.taut(stretch, self.least), EPS * (far + l + np.abs(e))
-        return Rows(X=X, V=V, l=l, e=e, t=t, q=q, g=g, norm=norms(g), taut=taut, rounding=rounding)
+        return Batch(X=X, V=V, l=l, e=e, t=t, q=q, g=g, norm=norms(g), taut=taut, rounding=rounding)
 
-    def stiffness(self, r: Rows, s: Rows, q: np.ndarray, taut: np.ndarray, mu: np.ndarray) -> np.ndarray:
+    def stiffness(self, r: Batch, s: Batch, q: np.ndarray, taut: np.ndarray, mu: np.ndarray) -> np.ndarray:
         """Return K, (N, f, f), eq. (11), and mu S; q, taut: (N, b) in place of the states' own."""
         l2 = s.l * s.l
         w = r.k * r.l0 / (l2 * s.l) * taut + (s.q - q) / l2
@@ -115,6 +115,7 @@ def solved(M: np.ndarray, g: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def rigid_motions(X: np.ndarray) -> np.ndarray:
     """Return unit translations, and rotations over the size, (N, r, d n), of (N, d, n) positions."""
     N, d, n = X.shape
-    turned = turns(d) @ (X / np.abs(X).max((1, 2), keepdims=True))
+    turns = generators(d)[:, d:, 1:].swapaxes(0, 1).reshape(-1, d)
+    turned = turns @ (X / np.abs(X).max((1, 2), keepdims=True))
     shifts = np.broadcast_to(np.repeat(np.eye(d), n, axis=1), (N, d, d * n))
     return np.concatenate((shifts, turned.reshape(N, d * (d - 1) // 2, d * n)), axis=1)

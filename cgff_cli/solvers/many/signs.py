@@ -8,14 +8,14 @@ from scipy.linalg.lapack import dpotrf
 from cgff_cli.mechanics.elements import EPS
 from cgff_cli.mechanics.rigid import FLAT
 from cgff_cli.mechanics.signs import BLUR, SETTLED
-from cgff_cli.solvers.many.rows import Rows, Topology, flat, norms, rigid_motions
+from cgff_cli.solvers.many.rows import Batch, Topology, flat, norms, rigid_motions
 from cgff_cli.solvers.stopping import VANISHED
 
 OPEN, NEUTRAL, STABLE = range(3)
 WORDS = np.array([None, "neutral", "stable"], dtype=object)
 
 
-def measured(topology: Topology, r: Rows, s: Rows) -> tuple[np.ndarray, np.ndarray]:
+def references(topology: Topology, r: Batch, s: Batch) -> tuple[np.ndarray, np.ndarray]:
     """Return reference and floor, (N,) each, as `Gauge.measure` does."""
     floor = ((r.k * s.rounding)[:, None] @ np.abs(topology.rho)).max((1, 2))
     reference = np.maximum(np.abs(s.t).max(1), r.load)
@@ -24,7 +24,7 @@ def measured(topology: Topology, r: Rows, s: Rows) -> tuple[np.ndarray, np.ndarr
     return np.where(vanished, whole, reference), np.where(vanished, np.maximum(floor, EPS * whole), floor)
 
 
-def signs(topology: Topology, r: Rows, s: Rows, floor: np.ndarray) -> np.ndarray:
+def signs(topology: Topology, r: Batch, s: Batch, floor: np.ndarray) -> np.ndarray:
     """Return (N,) OPEN, NEUTRAL or STABLE for balanced states; floor: (N,) rounding errors of residuals.
 
     Stable is what keeps a Cholesky factor less all doubt. Of the rest, what is balanced to rounding, and
@@ -43,7 +43,9 @@ def signs(topology: Topology, r: Rows, s: Rows, floor: np.ndarray) -> np.ndarray
     return found
 
 
-def _stiffness_and_doubts(topology: Topology, r: Rows, s: Rows, floor: np.ndarray) -> tuple[np.ndarray, ...]:
+def _stiffness_and_doubts(
+    topology: Topology, r: Batch, s: Batch, floor: np.ndarray
+) -> tuple[np.ndarray, ...]:
     """Return K of what resists, stiff along motions of a free body; what rounding blurs, and has no sign.
 
     A cable that what is out of balance may slacken resists nothing. The last, (N,): a softest stiffness

@@ -10,7 +10,7 @@ from cgff_cli.mechanics.elements import EPS
 from cgff_cli.mechanics.signs import steepest_fall
 from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.mechanics.tangent import Parts
-from cgff_cli.solvers.line_search import TENFOLD
+from cgff_cli.solvers.line_search import HUNDREDFOLD, TENFOLD
 from cgff_cli.solvers.stopping import NEGLIGIBLE
 
 
@@ -107,7 +107,7 @@ class Tangent(Preconditioner, ABC):
 
     def stiffen(self) -> None:
         """Raise mu a hundredfold, and trust nothing."""
-        self.mu *= TENFOLD * TENFOLD
+        self.mu *= HUNDREDFOLD
         self.progress = 1.0
 
     def settle(self) -> None:

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from cgff_cli.mechanics import tangent
-from cgff_cli.mechanics.rigid import all_motions, rigid_motions
+from cgff_cli.mechanics.rigid import RigidMotions, all_motions
 from cgff_cli.mechanics.signs import is_positive
 from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.mechanics.tangent import Parts
@@ -32,7 +32,7 @@ class DenseTangent(Tangent):
 
     def system(self, parts: Parts, shift: float, *, trusted: bool = False) -> Solve | None:
         """Return M^-1 as a function, or None where M has no Cholesky factor."""
-        M = tangent.dense(self.mechanics.connectivity, parts, self.mechanics.mask)
+        M = tangent.stiffness_matrix(self.mechanics.connectivity, parts, self.mechanics.mask)
         if self.renew:
             R = all_motions(parts.X) if self.mechanics.all_free else self._allowed(parts.X)
             self.R, self.renew = R.dot(self.stiffness * R.T), False
@@ -61,7 +61,7 @@ class DenseTangent(Tangent):
         """Return the rigid motions that supports allow, (d m, r), zero in held directions."""
         mechanics = self.mechanics
         free = mechanics.structure.free.T
-        motions = rigid_motions(mechanics.everywhere(X), free)
+        motions = RigidMotions(mechanics.everywhere(X), free).basis
         R = np.zeros((free.size, motions.shape[1]))
         R[free.reshape(-1)] = motions
         R = R.reshape(*free.shape, -1)

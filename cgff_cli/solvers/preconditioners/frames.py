@@ -18,17 +18,14 @@ from typing import Any
 
 import numpy as np
 
-from cgff_cli.mechanics.elements import TINY
+from cgff_cli.mechanics.elements import EPS, TINY
 from cgff_cli.mechanics.pattern import GraphPattern
 from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.solvers.factors import Factor, factory
-from cgff_cli.solvers.line_search import FLAT, Goal, strong_wolfe
+from cgff_cli.solvers.line_search import FLAT_ENOUGH, HUNDREDFOLD, Goal, strong_wolfe
 from cgff_cli.solvers.objectives import Energy
-from cgff_cli.solvers.preconditioners.base import QUARTER, Preconditioner
+from cgff_cli.solvers.preconditioners.base import FIRST_SHIFT, QUARTER, Preconditioner
 from cgff_cli.solvers.preconditioners.planes import local_frames
-
-SLACK_SHARE = 1e-3
-"""Stiffness that a slack cable keeps in M, so that a node held by slack cables has some."""
 
 
 class NodeFrames(Preconditioner):
@@ -38,18 +35,15 @@ class NodeFrames(Preconditioner):
 
     def __init__(self, mechanics: Mechanics, kind: str):
         structure = mechanics.structure
-        n, d = structure.coordinates.shape
+        d = structure.coordinates.shape[1]
         self.mechanics = mechanics
-        self.moves = np.flatnonzero(structure.free.any(axis=1))
-        rows = np.full(n, -1)
-        rows[self.moves] = np.arange(len(self.moves))
-        self.pattern = GraphPattern(structure.start, structure.end, rows)
-        parts = self.pattern.indices, self.pattern.indptr
-        self.factories = [factory(*parts, kind) for _ in range(d)]
+        moves = structure.free.any(axis=1)
+        self.pattern = GraphPattern(structure.start, structure.end, np.where(moves, np.cumsum(moves) - 1, -1))
+        self.factory = factory(self.pattern.indices, self.pattern.indptr, kind)
         self.factors: list[Factor] = []
         self.shared: tuple[Factor, np.ndarray] | None = None
         self.scale = 1.0
-        self.frames = np.zeros((d, len(self.moves), d))
+        self.frames = np.zeros((d, d, self.pattern.size))
         self.between: dict[tuple[int, int], Any] = {}
         self.factorizations = 0
         self.is_spent = True
@@ -69,7 +63,7 @@ class NodeFrames(Preconditioner):
         if mechanics.F is not None:
             sag, energy = np.stack([factor.solve(f) for f in mechanics.F]), Energy()
             line = energy.line(found, sag)
-            goal = Goal(line(0.0).slope, partial(energy.noise, found), FLAT)
+            goal = Goal(line(0.0).slope, partial(energy.noise, found), FLAT_ENOUGH)
             step, _ = strong_wolfe(line, goal, line(1.0))
             found = mechanics.at(found.X + step.step * sag)
         if found.energy >= state.energy:
@@ -85,21 +79,20 @@ class NodeFrames(Preconditioner):
         """
         if not self.is_spent:
             return
-        structure, d = self.mechanics.structure, len(state.X)
+        d = len(state.X)
         if self.shared is not None:
             factor, q = self.shared
             self.scale = max(float(state.q.sum()), TINY) / float(q.sum())
             k, q = self.mechanics.k, self.scale * q
             known = [factor]
         else:
-            slack = state.slack
-            k = np.where(slack, SLACK_SHARE, 1.0) * self.mechanics.k
+            slack = state.slack  # which keeps some stiffness, so that a node held by slack cables has some
+            k = np.where(slack, FIRST_SHIFT, 1.0) * self.mechanics.k
             q = np.where(slack, k, state.q)
             self.scale, known = 1.0, []
-        u = np.ascontiguousarray((state.V / state.l).T)
-        frames = local_frames(structure, k, u)
-        self.frames = frames[:, self.moves]
-        block = _blocks(self.pattern, k - q, q, u, frames)
+        u = state.V / state.l
+        self.frames = local_frames(self.pattern, k, u)
+        block = _blocks(self.pattern, k - q, q, u, self.frames)
         self.factors = [self._factor(f, block(f, f)) for f in range(d - len(known))] + known
         self.shared = None
         self.between = {}
@@ -112,21 +105,18 @@ class NodeFrames(Preconditioner):
     def apply(self, g: np.ndarray) -> np.ndarray:
         """Return M^-1 g, (d, m)."""
         d = len(self.frames)
-        r = [np.einsum("ni,in->n", f, g) for f in self.frames]
+        r = [np.einsum("an,an->n", f, g) for f in self.frames]
         x: list[np.ndarray] = []
         for f in range(d):
-            x.append(self._solved(f, r[f], x[:f]))
+            for h in range(f):
+                r[f] -= self.between[f, h] @ x[h]
+            x.append(self.factors[f].solve(r[f]))
         x[-1] /= self.scale
         for f in reversed(range(d - 1)):
-            x[f] = self._solved(f, r[f], x)
-        return np.einsum("fn,fni->in", np.stack(x), self.frames)
-
-    def _solved(self, f: int, r: np.ndarray, x: list[np.ndarray]) -> np.ndarray:
-        """Return the solution for local direction f, given those of others."""
-        for g in range(len(x)):
-            if g != f:
-                r = r - self.between[f, g] @ x[g]
-        return self.factors[f].solve(r)
+            for h in range(f + 1, d):
+                r[f] -= self.between[f, h] @ x[h]
+            x[f] = self.factors[f].solve(r[f])
+        return np.einsum("fan,fn->an", self.frames, np.stack(x))
 
     def adapt(self, alpha: float, shrinkage: float) -> None:
         """Renew the factors after a short step."""
@@ -144,14 +134,14 @@ class NodeFrames(Preconditioner):
     def _factor(self, f: int, data: np.ndarray) -> Factor:
         """Return a factor of the matrix with this data, stiffened a little where rounding asks for it."""
         diagonal = self.pattern.diagonal
-        share = 1e-14 * float(data[diagonal].max())
+        share = EPS * float(data[diagonal].max())
         while True:
             self.factorizations += 1
-            factor = self.factories[f].factor(data, is_definite=True)
+            factor = self.factory.factor(data, f, is_definite=True)
             if factor is not None:
                 return factor
             data[diagonal] += share
-            share *= 100.0
+            share *= HUNDREDFOLD
 
 
 def _blocks(
@@ -159,22 +149,25 @@ def _blocks(
 ) -> Callable[[int, int], np.ndarray]:
     """Return a function of two local directions that gives the data of the block M_fg of Q^T K Q.
 
-    stiff: (b,) k - q; q: (b,); u: (b, d) unit vectors; frames: (d, n, d).
+    stiff: (b,) k - q; q: (b,); u: (d, b) unit vectors; frames: (d, d, m) at the pattern's nodes.
     """
-    here, there = frames[:, pattern.start], frames[:, pattern.end]
-    along, beyond = (np.einsum("ei,fei->fe", u, ends) for ends in (here, there))
+    everywhere = np.zeros((*frames.shape[:2], pattern.count))
+    everywhere[:, :, pattern.nodes] = frames
+    here, there = everywhere[:, :, pattern.start], everywhere[:, :, pattern.end]
+    along, beyond = (np.einsum("ae,fae->fe", u, ends) for ends in (here, there))
 
     def entries(f: np.ndarray, g: np.ndarray, rate: np.ndarray, other: np.ndarray) -> np.ndarray:
         """Return what each element puts into a block, (b,)."""
-        return stiff * rate * other + q * np.einsum("ei,ei->e", f, g)
+        return stiff * rate * other + q * np.einsum("ae,ae->e", f, g)
 
     def block(f: int, g: int) -> np.ndarray:
         """Return the (nnz,) data of M_fg."""
+        across = -entries(here[f], there[g], along[f], beyond[g])
         return pattern.fill(
             entries(here[f], here[g], along[f], along[g]),
             entries(there[f], there[g], beyond[f], beyond[g]),
-            -entries(here[f], there[g], along[f], beyond[g]),
-            -entries(there[f], here[g], beyond[f], along[g]),
+            across,
+            across if f == g else -entries(there[f], here[g], beyond[f], along[g]),
         )
 
     return block

@@ -2,101 +2,65 @@
 
 import numpy as np
 
-from cgff_cli.structure import Structure
+from cgff_cli.mechanics.elements import EPS, TINY
+from cgff_cli.mechanics.pattern import GraphPattern
+from cgff_cli.solvers.preconditioners.base import FIRST_SHIFT
 
-SKEWEST = 0.95
-"""Cosine between two tangents from which they hardly differ."""
+CUBIC = 3
+"""Power of the cosine by which elements count for a family: 1 takes half as many iterations again, 5 gains
+nothing (tests/studies/large_rulers.py crossover)."""
 
-EVENINGS = 3
-"""Rounds of averaging directions over neighbours."""
+_AXES = np.eye(3)
 
-SAMPLE = 1000
-"""Elements that tell the prevailing direction of a net."""
+_CYCLES = ((1, 2), (2, 0), (0, 1))
 
 
-def local_frames(structure: Structure, k: np.ndarray, u: np.ndarray) -> np.ndarray:
-    """Return (d, n, d) unit vectors: the local directions at each node, normals last. k: (b,), u: (b, d).
+def local_frames(pattern: GraphPattern, k: np.ndarray, u: np.ndarray) -> np.ndarray:
+    """Return (d, d, m) unit vectors, axis by axis: the local directions at the pattern's nodes, softest last.
 
-    The normal is the softest direction of A = sum k u u^T over a node's elements: the largest column
-    of its adjugate. The tangents of a net's node suit its two families of cables: each lies across the
-    other family, so that it stretches its own alone, however skew the meshes are.
+    k: (b,), u: (d, b). The normal is the softest direction of A = sum k u u^T over a node's elements and its
+    neighbours': rough frames would bend a smooth shift of the whole net. The second tangent lies across those
+    elements that run the way of the net's first, the first is conjugate to it in A, and it to the first: each
+    stretches hardly more than one family of cables, however skew the meshes are. Of a chain they are along
+    and across.
     """
-    n, d = structure.coordinates.shape
-    ends = np.concatenate((structure.start, structure.end))
-    A = np.empty((n, d, d))
-    for i in range(d):
-        for j in range(i, d):
-            w = k * u[:, i] * u[:, j]
-            A[:, i, j] = A[:, j, i] = np.bincount(ends, np.concatenate((w, w)), minlength=n)
-    along = _prevailing(k, u)
-    if d == 2:
-        tangent = _normalized(A @ along + 1e-9 * along)
-        return np.stack((tangent, tangent[:, ::-1] * (-1.0, 1.0)))
-    normal = _softest(A)
-    first = _normalized(_across(normal, along + np.zeros((n, 1))))
-    second = np.cross(normal, first)
-    one, other = _families(structure, k, u, first, second)
-    skew = np.cross(other, normal), np.cross(normal, one)
-    sizes = [np.sqrt(np.einsum("ni,ni->n", e, e)) for e in skew]
-    usable = np.minimum(*sizes) > 1e-6 * max(float(size.max()) for size in sizes)
-    pair = np.stack([e / np.where(usable, size, 1.0)[:, None] for e, size in zip(skew, sizes, strict=True)])
-    usable &= np.abs(np.einsum("ni,ni->n", *pair)) < SKEWEST
-    return np.concatenate((np.where(usable[:, None], pair, (first, second)), normal[None]))
+    d = len(u)
+    u = _AXES[:, :d] @ u
+    way = (k * (u[:, 0] @ u) ** CUBIC) @ u.T
+    family = ((way / (np.linalg.norm(way) + TINY)) @ u) ** CUBIC
+    i, j = np.triu_indices(len(u))
+    own = [k * u[a] * u[c] for a, c in zip(i, j, strict=True)] + [k * family * axis for axis in u]
+    sums = np.stack([pattern.per_node(weights, weights) for weights in own], axis=1)
+    sums = np.ascontiguousarray((pattern.matrix(np.ones(len(pattern.indices))) @ sums).T)
+    A = np.empty((len(u), len(u), pattern.size))
+    A[i, j] = A[j, i] = sums[: len(i)]
+    normal = _softest(_stiffened(A, EPS**0.5)) if d > 2 else _AXES[:, 2:]
+    A = _stiffened(A, FIRST_SHIFT)
+    second = _cross(normal, _normalized(sums[len(i) :]))
+    other = _cross(normal, _AXES[:, np.abs(normal).argmin(axis=0)])
+    second = np.where(np.square(second).sum(axis=0) > EPS, second, other)
+    first = _normalized(_cross(np.einsum("acn,cn->an", A, second), normal))
+    second = _normalized(_cross(normal, np.einsum("acn,cn->an", A, first)))
+    return np.stack((first, second, normal) if d > 2 else (first[:d], second[:d]))
 
 
-def _families(
-    structure: Structure, k: np.ndarray, u: np.ndarray, first: np.ndarray, second: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return (n, d) directions of a node's elements, all pointing one way: those near `first`, the rest.
-
-    Each is evened out over the neighbours: what one node's elements scatter would roughen the frames, and
-    rough frames bend a smooth shift of the whole net.
-    """
-    from scipy.sparse import csr_array, eye_array
-
-    sums = [np.zeros_like(first), np.zeros_like(first)]
-    for ends in (structure.start, structure.end):
-        rates = [np.einsum("ei,ei->e", u, t[ends]) for t in (first, second)]
-        nearer = np.abs(rates[0]) >= np.abs(rates[1])
-        for total, rate, mine in zip(sums, rates, (nearer, ~nearer), strict=True):
-            w = np.where(mine, np.copysign(k, rate), 0.0)
-            for axis in range(u.shape[1]):
-                total[:, axis] += np.bincount(ends, w * u[:, axis], minlength=len(first))
-    ends = np.concatenate((structure.start, structure.end))
-    others = np.concatenate((structure.end, structure.start))
-    even = csr_array((np.ones(len(ends)), (ends, others))) + eye_array(len(first))
-    for _ in range(EVENINGS):
-        sums = [even @ _normalized(total) for total in sums]
-    return sums[0], sums[1]
-
-
-def _prevailing(k: np.ndarray, u: np.ndarray) -> np.ndarray:
-    """Return the unit direction t, near the first element's, that maximises sum k (u.t)^4 over a sample."""
-    t, step = u[0], 1 + len(u) // SAMPLE
-    k, u = k[::step], u[::step]
-    for _ in range(10):
-        t = (k * (u @ t) ** 3) @ u
-        t = t / (np.linalg.norm(t) or 1.0)
-    return t
+def _stiffened(A: np.ndarray, share: float) -> np.ndarray:
+    """Return (3, 3, n) matrices with a share of their traces added, which makes them invertible."""
+    return A + np.multiply.outer(_AXES, share * np.einsum("aan->n", A))
 
 
 def _softest(A: np.ndarray) -> np.ndarray:
-    """Return (n, 3) unit vectors of the least stiffness of (n, 3, 3) matrices, exact where it is zero."""
-    A = A + 1e-6 * np.trace(A, axis1=1, axis2=2)[:, None, None] * np.eye(3)
-    adjugate = np.stack((np.cross(A[:, 1], A[:, 2]), np.cross(A[:, 2], A[:, 0]), np.cross(A[:, 0], A[:, 1])))
-    best = np.einsum("cni,cni->cn", adjugate, adjugate).argmax(axis=0)
-    return _normalized(adjugate[best, np.arange(len(A))])
+    """Return (3, n) unit vectors of the least stiffness: the largest columns of adjugates."""
+    adjugate = np.stack([_cross(A[a], A[c]) for a, c in _CYCLES])
+    largest = np.square(adjugate).sum(axis=1).argmax(axis=0)
+    return _normalized(np.take_along_axis(adjugate, largest[None, None], axis=0)[0])
 
 
-def _across(normal: np.ndarray, t: np.ndarray) -> np.ndarray:
-    """Return (n, 3) what of t is across the normals; some direction across where nothing is."""
-    rest = t - normal * np.einsum("ni,ni->n", normal, t)[:, None]
-    lost = np.einsum("ni,ni->n", rest, rest) < 1e-4
-    other = np.eye(3)[np.abs(normal).argmin(axis=1)]
-    rest[lost] = np.cross(normal, other)[lost]
-    return rest
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Return a x b, (3, n)."""
+    return np.stack([a[i] * b[j] - a[j] * b[i] for i, j in _CYCLES])
 
 
 def _normalized(vectors: np.ndarray) -> np.ndarray:
-    lengths = np.sqrt(np.einsum("ni,ni->n", vectors, vectors))
-    return vectors / np.where(lengths > 0.0, lengths, 1.0)[:, None]
+    """Return (3, n) vectors of length 1; those of none stay."""
+    return vectors / (np.sqrt(np.square(vectors).sum(axis=0)) + TINY)

@@ -1,22 +1,20 @@
 """The shifted tangent as a sparse matrix, for large structures of any kind.
 
-As in the dense one, but M is kept while its steps shrink the gradient well, unless its factor is so thin
-that a new one costs no more than an iteration (towers). A floating body is pinned in six directions that
-leave it statically determinate: the forces on it balance, so pins carry nothing and only choose one of the
-many solutions, from which the rigid motions are then projected out.
+As in the dense one, but its signs are always looked at, which costs little here. A floating body is pinned in
+six directions that leave it statically determinate: the forces on it balance, so pins carry nothing and only
+choose one of the many solutions, from which the rigid motions are then projected out.
 """
 
 import numpy as np
 
 from cgff_cli.mechanics.pattern import TangentPattern
 from cgff_cli.mechanics.rigid import all_motions
+from cgff_cli.mechanics.signs import blurred_at_most
 from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.mechanics.tangent import Parts
 from cgff_cli.solvers.factors import Factor, factory
-from cgff_cli.solvers.preconditioners.base import QUARTER, Solve, Tangent
-
-THIN = 12
-"""A factor with at most this many entries per entry of K is renewed every iteration."""
+from cgff_cli.solvers.line_search import TENFOLD
+from cgff_cli.solvers.preconditioners.base import Solve, Tangent
 
 INVERSE_ITERATIONS = 30
 
@@ -30,24 +28,12 @@ class SparseTangent(Tangent):
         self.factory = factory(self.pattern.indices, self.pattern.indptr, kind)
         self.S = mechanics.scale_stiffness
         self.is_afloat = mechanics.all_free and mechanics.F is None
-        self.is_thick = False
-
-    def refresh(self, state: State, q: np.ndarray | None = None) -> None:
-        """Form M anew unless the last one, dear to factor, still serves."""
-        if self.solve is None or not (self.is_thick and self.progress < QUARTER):
-            super().refresh(state, q)
-
-    def adapt(self, alpha: float, shrinkage: float) -> None:
-        """Adapt mu; progress counts at any step length."""
-        super().adapt(alpha, shrinkage)
-        self.progress = shrinkage
 
     def system(self, parts: Parts, shift: float, *, trusted: bool = False) -> Solve | None:
         """Return M^-1 as a function, or None where it has no Cholesky factor."""
-        factor = self._factor(parts, shift * self.S, trusted or self.squared)
+        factor = self._factor(parts, shift * self.S)
         if factor is None:
             return None
-        self.is_thick = factor.fill > THIN * len(self.pattern.indices)
         R = all_motions(parts.X) if self.is_afloat else None
 
         def solve(g: np.ndarray) -> np.ndarray:
@@ -58,7 +44,7 @@ class SparseTangent(Tangent):
             z = np.ascontiguousarray(z.reshape(g.shape[::-1]).T)
             if R is not None:
                 flat = z.reshape(-1)
-                flat -= R @ np.linalg.lstsq(R, flat, rcond=None)[0]
+                flat -= R @ np.linalg.lstsq(R.T @ R, flat @ R, rcond=None)[0]
             return z
 
         return solve
@@ -66,15 +52,16 @@ class SparseTangent(Tangent):
     def steepest_fall(self, state: State) -> np.ndarray | None:
         """Return a unit direction of negative stiffness, or None: by inverse iteration below zero.
 
-        K has no eigenvalue below -sigma when K + sigma has a Cholesky factor; sigma is raised from doubt.
+        K has no eigenvalue below -sigma when K + sigma has a Cholesky factor; sigma is raised from rounding.
+        Whether the energy falls that way, forces out of balance or not, is seen by going there.
         """
-        sigma = self.doubt(state)
-        if self.definite(state, sigma) is not None:
+        sigma = blurred_at_most(state)
+        if self._definite(state, sigma) is not None:
             return None
         factor = None
         while factor is None:
-            sigma *= 10.0
-            factor = self.definite(state, sigma)
+            sigma *= TENFOLD
+            factor = self._definite(state, sigma)
         z = np.cos(np.arange(self.pattern.size) ** 2.0)
         for _ in range(INVERSE_ITERATIONS):
             z = factor.solve(z / np.linalg.norm(z))
@@ -82,25 +69,17 @@ class SparseTangent(Tangent):
         d = d if self.mechanics.mask is None else d * self.mechanics.mask
         return d / (np.linalg.norm(d) * np.sign(d.flat[np.abs(d).argmax()]))
 
-    def doubt(self, state: State) -> float:
-        """Return the size below which an eigenvalue of K has no sign."""
-        size = float(np.abs(state.X).max()) or 1.0
-        return 1e-14 * float(self.S.max()) + float(np.abs(state.g).max()) / size
-
-    def definite(self, state: State, sigma: float, taut: np.ndarray | None = None) -> Factor | None:
+    def _definite(self, state: State, sigma: float) -> Factor | None:
         """Return the factor of K + sigma, or None unless no eigenvalue of K is below -sigma."""
-        return self._factor(state.parts(None, taut), np.full_like(self.S, sigma), False)
+        return self._factor(state.parts(), sigma)
 
-    def _factor(self, parts: Parts, shift: np.ndarray, trusted: bool) -> Factor | None:
+    def _factor(self, parts: Parts, shift: np.ndarray | float) -> Factor | None:
         """Return the factor of K of its parts and a shift per node, pinned if afloat, or None."""
         X, V, w, q = parts
-        extra = shift[:, None, None] * np.eye(len(X))
         held = float(self.S.mean())
-        if self.is_afloat:
-            for node, block in _pins(X.T):
-                extra[node] += held * block
+        pins = [(row, held * block) for row, block in _pins(X.T)] if self.is_afloat else ()
         self.factorizations += 1
-        return self.factory.factor(self.pattern.fill(V, w, q, extra, held), trusted)
+        return self.factory.factor(self.pattern.fill(V, w, q, shift, pins, held))
 
 
 def _pins(X: np.ndarray) -> list[tuple[int, np.ndarray]]:
@@ -112,7 +91,7 @@ def _pins(X: np.ndarray) -> list[tuple[int, np.ndarray]]:
     t = away[second] / (np.linalg.norm(away[second]) or 1.0)
     across = np.eye(d) - np.outer(t, t)
     pins = [(first, np.eye(d)), (second, across)]
-    if d == 3:
+    if d > 2:
         off_line = away @ across
         third = int(np.square(off_line).sum(axis=1).argmax())
         normal = np.cross(t, off_line[third])

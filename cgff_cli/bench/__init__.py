@@ -1,1 +1,0 @@
-"""Many scenes by several methods: suites of cases, measured one after another, a row per case and method."""

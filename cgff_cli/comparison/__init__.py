@@ -1,1 +1,0 @@
-"""One scene by several methods, laid over each other and timed."""

@@ -1,0 +1,68 @@
+"""Digests: a word for all that a row depends on, the program, the machine and the scene among it."""
+
+import hashlib
+import json
+import os
+import platform
+from collections.abc import Iterable, Iterator
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import cgff_cli
+from cgff_cli.scene.scene import Scene
+
+ONLY_TELLING = ("report", "cli")
+"""Rooms that only tell what others found: their text changes no row."""
+
+
+def digest_of(told: Any, parts: Iterable[bytes] = ()) -> str:
+    """Return a digest of plain values, of long parts, and of the program."""
+    found = hashlib.sha256(json.dumps([told, _program()], sort_keys=True).encode())
+    for part in parts:
+        found.update(part)
+    return found.hexdigest()[:16]
+
+
+def contents(scene: Scene) -> Iterator[bytes]:
+    """Yield all of a scene that an answer depends on."""
+    words = (scene.name, scene.law, scene.node_names, scene.supports, scene.loads, scene.solver)
+    yield repr(words).encode()
+    yield scene.coordinates.tobytes()
+    for group in scene.groups:
+        yield repr((group.name, group.kind, len(group.EA))).encode()
+        yield group.pairs.tobytes() + group.EA.tobytes() + group.rest_length.tobytes()
+
+
+@cache
+def machine() -> dict[str, Any]:
+    """Return what times depend on besides the program."""
+    return {
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "scipy": version("scipy"),
+        "processor": _processor(),
+        "cores": os.cpu_count(),
+    }
+
+
+def _processor() -> str:
+    """Return the processor's name; Linux tells it in a file alone."""
+    info = Path("/proc/cpuinfo")
+    lines = info.read_text(errors="replace").splitlines() if info.is_file() else []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor() or platform.machine()
+
+
+@cache
+def _program() -> str:
+    """Return version and digest of the sources that work: between versions they change."""
+    package = Path(cgff_cli.__file__).parent
+    found = hashlib.sha256()
+    for path in sorted(package.rglob("*.py")):
+        if path.relative_to(package).parts[0] not in ONLY_TELLING:
+            found.update(path.read_bytes())
+    return f"{cgff_cli.__version__} {found.hexdigest()}"

@@ -1,0 +1,83 @@
+"""The one machine: jobs in, what became of each out, in the jobs' order whoever does the work.
+
+A job carries a digest of all that its rows depend on; what does the work is a function of the job alone. So
+rows depend neither on where, when and beside what they were worked out, nor on whether that was in this run
+or in one that was cut short: whoever asks for them keeps those worth keeping, in a Journal or in a file of
+its own, and hands them back as `known`. Work too small for a job by itself goes into jobs of fixed chunks,
+cut by number alone.
+"""
+
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from itertools import islice
+from typing import Any, Generic, NamedTuple, Protocol, TypeVar, cast
+
+from cgff_cli.study.hands import hands
+
+Row = dict[str, Any]
+"""One line of a table: plain values, or arrays, by name."""
+
+
+class Digested(Protocol):
+    """A job, for the machine: other than its digest it is the work's alone."""
+
+    @property
+    def digest(self) -> str:
+        """A word for all that its rows depend on, program and machine included where they do."""
+
+
+J = TypeVar("J", bound=Digested)
+R = TypeVar("R")
+
+
+class Done(NamedTuple, Generic[J, R]):
+    """What became of a job.
+
+    found        : what the work returned; None where it did not
+    error        : what it raised instead, unless that was an interrupt
+    is_interrupt : Ctrl-C ended it
+    is_new       : it was worked out in this run
+    """
+
+    job: J
+    found: R
+    error: Exception | None = None
+    is_interrupt: bool = False
+    is_new: bool = True
+
+
+def done(
+    jobs: Iterable[J], work: Callable[[J], R], known: Mapping[str, R] | None = None, processes: int = 1
+) -> Iterator[Done[J, R]]:
+    """Yield what became of each job, in order; nothing after an interrupt.
+
+    work      : what to do with a job; with several processes it can be pickled, as can jobs and findings
+    known     : digest -> what the work returned in an earlier run, not done again
+    processes : 1 is this one; more are processes of their own, with one BLAS thread each
+    """
+    known, jobs = known or {}, iter(jobs)
+    waiting: deque[tuple[J, Callable[[], R] | None]] = deque()
+    with hands(processes) as (begin, most):
+        while True:
+            try:
+                for job in islice(jobs, most - len(waiting)):
+                    waiting.append((job, None if job.digest in known else begin(work, job)))
+                ended = _ended(*waiting[0], known) if waiting else None
+            except KeyboardInterrupt:
+                if not waiting:
+                    raise
+                yield Done(waiting[0][0], cast(R, None), is_interrupt=True)
+                return
+            if ended is None:
+                return
+            waiting.popleft()
+            yield ended
+
+
+def _ended(job: J, get: Callable[[], R] | None, known: Mapping[str, R]) -> Done[J, R]:
+    if get is None:
+        return Done(job, known[job.digest], is_new=False)
+    try:
+        return Done(job, get())
+    except Exception as error:
+        return Done(job, cast(R, None), error)

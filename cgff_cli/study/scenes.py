@@ -1,0 +1,61 @@
+"""Many scenes: a job for each, and the row that stays of its result."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+from cgff_cli.result import Result
+from cgff_cli.study.machine import Row
+
+SUMMARY = (
+    *("scene", "case", "verdict", "stability", "iterations", "residual_relative", "energy", "max_strain"),
+    *("slack_count", "smallest_stiffness", "seconds"),
+)
+"""What a summary in a file tells of each scene; times, which differ between runs, come last."""
+
+
+class SceneJob(NamedTuple):
+    """A scene to solve; digest: of its files, the program and what is asked, where a run may be resumed."""
+
+    path: str
+    digest: str = ""
+
+
+def resumable(scenes: Sequence[str], asked: Any) -> Iterator[SceneJob]:
+    """Yield a job per scene, with a digest; asked: all else that results depend on, as plain values."""
+    from cgff_cli.scene.read import tables_of
+    from cgff_cli.study.digest import digest_of
+
+    for path in scenes:
+        yield SceneJob(path, digest_of([path, asked], map(_bytes, (path, *tables_of(path)))))
+
+
+def _bytes(path: str) -> bytes:
+    """Return the contents of a file, nothing where it cannot be read: to tell that is the reader's part."""
+    try:
+        with open(path, "rb") as file:
+            return file.read()
+    except OSError:
+        return b""
+
+
+def summary_row(scene: str, result: Result) -> Row:
+    """Return what is left of a result once it is written, in plain values."""
+    analysis = result.analysis
+    return {
+        "scene": scene,
+        "case": None,
+        "verdict": result.verdict,
+        "stability": analysis.get("stability"),
+        "iterations": result.counts["iterations"],
+        "residual_relative": result.residual["relative"],
+        "energy": result.energy,
+        "max_strain": result.max_strain,
+        "slack_count": analysis.get("slack_count"),
+        "smallest_stiffness": analysis.get("smallest_stiffness"),
+        "seconds": result.seconds,
+        "elements": result.source.element_count,
+        "converged": result.converged,
+        "interrupted": result.interrupted,
+        "message": result.message,
+        "warnings": result.warnings,
+    }
