@@ -71,7 +71,7 @@ def _is_settled(state: State, found: Signs) -> bool:
 
 
 def resists(state: State, floor: float) -> np.ndarray:
-    """Return (b,) bool: not slack, nor a cable whose force is within rounding of none."""
+    """Return (b,) bool: not slack, nor a cable whose force is within rounding, or what is left, of none."""
     m = state.mechanics
     may_slacken = m.structure.tension_only & (m.l0 > 0.0)
-    return state.taut & ~(may_slacken & (state.t <= VANISHED * floor))
+    return state.taut & ~(may_slacken & (state.t <= VANISHED * max(floor, state.norm)))
