@@ -43,12 +43,13 @@ def iterates(run: Run, onward: Onward) -> Iterator[Iterate]:
     while True:
         yield run.iterate()
         run.verdict = run.watch.judge(run.state, run.iterations) or _stationary(run) or _worn_out(run)
-        if (run.verdict or run.watch.is_stuck) and onward(run):
-            run.verdict, path = None, descent(run)
-        elif run.verdict is None and next(path, None) is None:
+        is_elsewhere = run.verdict is None and run.watch.is_stuck and onward(run)
+        if run.verdict is None and not is_elsewhere and next(path, None) is None:
             run.verdict = run.watch.vanished()
-        if run.verdict:
+        if run.verdict and not onward(run):
             return
+        if run.verdict or is_elsewhere:
+            run.verdict, path = None, descent(run)
 
 
 def descent(run: Run) -> Iterator[Move]:

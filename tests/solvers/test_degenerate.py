@@ -82,3 +82,14 @@ def test_a_residual_a_few_roundings_high_that_quick_steps_no_longer_halve_is_rou
     result = cgff_cli.solve(scene(points, bars, {1: "xyz"}, loads), tolerance=5e-9)
     assert result.verdict == "rounding_floor"
     assert result.counts["iterations"] < 60
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_straight_pair_of_struts_buckles_though_no_step_is_left_where_it_is_straight(seed):
+    rest = 0.6 * (1.0 + 0.1 * np.random.default_rng(seed).uniform(size=2))
+    struts = [(0, 1, "strut", 10.0, rest[0]), (1, 2, "strut", 10.0, rest[1])]
+    straight = scene([(0.0, 0.0), (0.5, 0.0), (1.0, 0.0)], struts, {0: "xy", 2: "xy"})
+    result = cgff_cli.solve(straight, tolerance=1e-16)
+    assert result.converged
+    assert result.analysis["stability"] == "stable"
+    assert result.energy < 1e-12
