@@ -63,8 +63,8 @@ def steepest_fall(state: State) -> np.ndarray | None:
     A Cholesky factor of K and a little more is the quick way to see that there is none. What forces out of
     balance blur counts for negative: whether the energy falls that way is seen by going there.
     """
-    K = state.dense_tangent()
-    if is_positive(K, BLUR * sqrt(len(K)) * norm(K)):
+    K = state.own_tangent
+    if is_positive(K.copy(), BLUR * sqrt(len(K)) * norm(K)):
         return None
     values, vectors = np.linalg.eigh(K)
     if values[0] >= -blurred(K, state):
@@ -102,7 +102,8 @@ class Spectrum:
     def __init__(self, state: State, taut: np.ndarray, floor: float):
         """taut: (b,) bool, elements that resist; floor: rounding error of reactions."""
         self.state, mechanics = state, state.mechanics
-        K = state.dense_tangent(taut=taut)
+        same = bool((taut == state.taut).all())
+        K = state.own_tangent.copy() if same else state.dense_tangent(taut=taut)
         if mechanics.mask is not None:
             K = K[np.ix_(mechanics.dofs, mechanics.dofs)]
         self.blurred = blurred(K, state)

@@ -195,6 +195,11 @@ class State:
         KY = tangent.times(self.mechanics.connectivity, self.parts(), Y)
         return KY if self.mechanics.mask is None else KY * self.mechanics.mask
 
+    @cached_property
+    def own_tangent(self) -> np.ndarray:
+        """(d m, d m) the tangent as `dense_tangent` makes it, kept: not to be written to."""
+        return self.dense_tangent()
+
     def dense_tangent(self, q: np.ndarray | None = None, taut: np.ndarray | None = None) -> np.ndarray:
         """Return K, (d m, d m), axis by axis, a fresh one; held directions keep only 1 on the diagonal.
 

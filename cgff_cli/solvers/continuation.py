@@ -36,11 +36,14 @@ MOST_STEPS = 30
 slack)."""
 
 TO_BOUNDARY = 0.95
+"""Share of the way to where an extension or slackness ends (0.9 and 0.99: tests/studies/hard_suite.py)."""
+
 STRIDE = 0.5
 """No element vector changes by more than this share of its rest length in a step; twice that loses scenes."""
 
 LOOSE = 1e-3
-"""Least scale of the first extensions over lengths, shortest step, and tolerance of a softer structure."""
+"""Least scale of the first extensions over lengths, shortest step, and tolerance of a softer structure (1e-2
+and 1e-4 did as well: tests/studies/hard_suite.py)."""
 
 
 class Mixed:

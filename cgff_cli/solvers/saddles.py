@@ -8,10 +8,12 @@ from cgff_cli.solvers.objectives import Line
 from cgff_cli.solvers.run import Run
 
 COINCIDENT = 1e-9
-"""A strut shorter than this share of the structure's size has no direction to push in."""
+"""A strut shorter than this share of the structure's size has no direction to push in (1e-8 did as well:
+tests/studies/hard_suite.py)."""
 
 NUDGE = 1e-4
-"""Size of the seeded perturbation that gives it one, and of the first step away from a saddle."""
+"""Size of the seeded perturbation that gives it one, and of the first step away from a saddle (1e-5 to 1e-3
+did as well: tests/studies/hard_suite.py)."""
 
 
 def separated(mechanics: Mechanics, seed: int) -> tuple[State, str | None]:

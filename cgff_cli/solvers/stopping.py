@@ -13,18 +13,20 @@ from cgff_cli.mechanics.norms import largest, norm
 from cgff_cli.mechanics.state import Mechanics, State
 
 VANISHED = 16.0
-"""Forces below this many rounding floors are taken for zero."""
+"""Forces below this many rounding floors are taken for zero (10 did as well: tests/studies/hard_suite.py)."""
 
 NEGLIGIBLE = 1e-13
 """Share of a sum of products that is rounding: a gradient of eq. (10) that small against stiffness times
-residual is zero, a shift of the tangent that small does nothing."""
+residual is zero, a shift of the tangent that small does nothing (1e-12 did as well:
+tests/studies/hard_suite.py)."""
 
 WAIT = 8
-"""Iterations without halving the residual, or failed steps in a row, after which a run is stuck (6 to 12 did
-as well)."""
+"""Iterations without halving the residual, or failed steps in a row, after which a run is stuck (6 to 10 did
+as well: tests/studies/hard_suite.py)."""
 
 PATIENCE = 3
-"""Iterations at the floor without halving the residual before it counts as reached; detours of a run."""
+"""Iterations at the floor without halving the residual before it counts as reached; detours of a run (5 and
+8 did as well: tests/studies/hard_suite.py)."""
 
 
 class Verdict(StrEnum):
