@@ -9,25 +9,14 @@ from cgff_cli.errors import OptionError
 from cgff_cli.mechanics.connectivity import DENSE_ENTRIES
 from cgff_cli.options import DEFAULTS, SolveOptions
 from cgff_cli.pipeline import METHODS
-from cgff_cli.scene.fields import HUGE, LEAST_SIZE
+from cgff_cli.scene.elements import rules
+from cgff_cli.scene.nodes import ANY_SIZE
 from cgff_cli.scene.physics import ROUNDING, all_pairs, component_labels
 from cgff_cli.scene.scene import AXES, Scene
 from cgff_cli.solvers.many.loop import Loop, Solutions
 from cgff_cli.solvers.stopping import Verdict
 from cgff_cli.structure import Structure, from_scene, stiffness
-from cgff_cli.values import Rule
-
-SIZE_RULES = {
-    "> 0": Rule(positive=True, smallest=LEAST_SIZE, largest=HUGE),
-    ">= 0": Rule(least=0.0, smallest=LEAST_SIZE, largest=HUGE),
-    "": Rule(largest=HUGE),
-}
-
-SIZES = {
-    "> 0": "finite numbers from 1e-30 to 1e30",
-    ">= 0": "0 or finite numbers from 1e-30 to 1e30",
-    "": "finite numbers of at most 1e30 in size",
-}
+from cgff_cli.values import Rule, short
 
 
 def solve_many(
@@ -104,9 +93,10 @@ def _values(scene: Scene, s: Structure, given: dict[str, object]) -> dict[str, n
     """Return the numbers of all rows, the scene's own where none are given."""
     EA = np.concatenate([group.EA for group in scene.groups])
     own = {"rest_lengths": s.rest_lengths, "EA": EA, "loads": s.loads, "coordinates": s.coordinates}
-    lower = {"rest_lengths": "> 0" if scene.law == "hooke" else ">= 0", "EA": "> 0"}
+    may_be = {"rest_lengths": rules(scene.law)["rest_length"], "EA": rules(scene.law)["EA"]}
     arrays = {
-        name: _checked(name, value, own[name].shape, lower.get(name, "")) for name, value in given.items()
+        name: _checked(name, value, own[name].shape, may_be.get(name, ANY_SIZE))
+        for name, value in given.items()
     }
     counts = {name: len(array) for name, array in arrays.items()}
     if len(set(counts.values())) > 1:
@@ -119,7 +109,7 @@ def _values(scene: Scene, s: Structure, given: dict[str, object]) -> dict[str, n
     return full | {"stiffness": stiffness(scene.law, full.pop("EA"), full["rest_lengths"])}
 
 
-def _checked(name: str, value: object, shape: tuple[int, ...], lower: str) -> np.ndarray:
+def _checked(name: str, value: object, shape: tuple[int, ...], rule: Rule) -> np.ndarray:
     """Return an array of numbers, a row of the given shape for each structure, or raise OptionError."""
     try:
         array = np.array(value, dtype=float)
@@ -130,8 +120,11 @@ def _checked(name: str, value: object, shape: tuple[int, ...], lower: str) -> np
             f"{name} must have the shape ({', '.join(('m', *map(str, shape)))}), a row for each of m "
             f"structures in the scene's own order, got {array.shape}"
         )
-    if not np.all(SIZE_RULES[lower].fits(array)):
-        raise OptionError(f"{name} must be {SIZES[lower]}")
+    if not np.all(rule.fits(array)):
+        most, zero = short(rule.largest), "" if rule.positive else "0 or "
+        sizes = f"{zero}finite numbers from {short(rule.smallest)} to {most}"
+        any_size = f"finite numbers of at most {most} in size"
+        raise OptionError(f"{name} must be {sizes if rule.smallest else any_size}")
     return array
 
 

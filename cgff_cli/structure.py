@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cgff_cli.scene.physics import component_labels
 from cgff_cli.scene.scene import AXES, Scene
 
 
@@ -30,6 +31,12 @@ class Structure:
         """Return (n,) sums over each node's elements of (b,) values."""
         n = len(self.free)
         return np.bincount(self.start, values, n) + np.bincount(self.end, values, n)
+
+    def is_tied(self, which: np.ndarray | slice = slice(None)) -> bool:
+        """Return whether elements, all or some, (b,) bool, tie every node to one that nothing can move."""
+        label = component_labels(len(self.free), np.stack((self.start, self.end), axis=1)[which])
+        held = label[~self.free.any(axis=1)]
+        return bool(np.bincount(held, minlength=int(label.max()) + 1).all())
 
 
 def from_scene(scene: Scene) -> Structure:

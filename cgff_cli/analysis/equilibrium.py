@@ -6,6 +6,7 @@ import numpy as np
 
 from cgff_cli.analysis.ranks import Ranks, rank_tolerance
 from cgff_cli.analysis.stability import stability
+from cgff_cli.mechanics.norms import largest
 from cgff_cli.mechanics.state import State
 from cgff_cli.options import SolveOptions
 from cgff_cli.scene.scene import Scene
@@ -93,7 +94,7 @@ def _reasons(null: list[str], found: dict[str, Any], converged: bool, has_ranks:
 
 def _carries(state: State, floor: float) -> bool:
     """Return whether any element carries more force than rounding."""
-    return bool(np.abs(state.t).max() > VANISHED * floor)
+    return largest(state.t) > VANISHED * floor
 
 
 def _told(scene: Scene, solution: Solution, found: dict[str, Any], reason: dict[str, str]) -> dict[str, Any]:

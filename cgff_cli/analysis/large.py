@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cgff_cli.analysis.stability import resists, stability, told
-from cgff_cli.mechanics.norms import norm
+from cgff_cli.mechanics.norms import largest, norm
 from cgff_cli.mechanics.pattern import TangentPattern
 from cgff_cli.mechanics.signs import BLUR, blurred_at_most, idle_motions, shortest
 from cgff_cli.mechanics.state import State
@@ -33,7 +33,7 @@ def stability_of_large(state: State, kind: str, floor: float, most: float = floa
     signs = partial(LargeSpectrum, kind=kind)
     if not (mechanics.structure.tension_only.all() and mechanics.mask is None):
         return stability(state, floor, signs)
-    found = told("stable" if _is_all_tied(state, taut) else "neutral", state, float("inf"))
+    found = told("stable" if mechanics.structure.is_tied(taut) else "neutral", state, float("inf"))
     softest = signs(state, taut, floor).softest if len(mechanics.dofs) <= most else float("nan")
     softest *= mechanics.frame.stiffness
     return found | {"smallest_stiffness": softest if np.isfinite(softest) else None}
@@ -51,7 +51,7 @@ class LargeSpectrum:
 
         self.state, mechanics = state, state.mechanics
         self.shortest = shortest(state)
-        self.doubt = blurred_at_most(state) + 4.0 * float(np.abs(state.g).max()) / self.shortest
+        self.doubt = blurred_at_most(state) + 4.0 * largest(state.g) / self.shortest
         idle, self.is_sure = idle_motions(state, floor)
         self.softest, (d, m) = float("inf"), state.X.shape
         self.places = mechanics.dofs % m * d + mechanics.dofs // m
@@ -60,7 +60,7 @@ class LargeSpectrum:
         pattern = TangentPattern(mechanics)
         data = pattern.fill(*state.parts(None, taut)[1:], held=float(mechanics.scale_stiffness.mean()))
         self.K = pattern, data, kind
-        stiffest = max(float(mechanics.scale_stiffness.max()), float(np.abs(data).max()))
+        stiffest = max(float(mechanics.scale_stiffness.max()), largest(data))
         self.shift, self.factor = _shifted(*self.K, BLUR * stiffest)
         if idle.shape[1] < len(self.places):
             start = np.zeros(m * d)
@@ -121,17 +121,3 @@ def _largest(inverse: Operator, start: np.ndarray, count: int) -> tuple[np.ndarr
     for _ in range(2):  # where K is all but singular its inverse is hardly linear, and x is the better for it
         x = inverse(x * (1.0 / norm(x)))
     return x / norm(x), len(Q) == len(diagonal) or len(diagonal) == count
-
-
-def _is_all_tied(state: State, taut: np.ndarray) -> bool:
-    """Return whether taut cables, (b,) bool, tie every free node to one that is held."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    structure = state.mechanics.structure
-    n = len(structure.coordinates)
-    ends = structure.start[taut], structure.end[taut]
-    joined = coo_array((np.ones(len(ends[0])), ends), shape=(n, n))
-    parts, label = connected_components(joined, directed=False)
-    held = ~structure.free.any(axis=1)
-    return bool(np.bincount(label[held], minlength=parts).all())

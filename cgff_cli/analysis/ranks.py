@@ -7,6 +7,7 @@ import numpy as np
 from cgff_cli.analysis.nulls import rank, zeros
 from cgff_cli.mechanics.connectivity import dense
 from cgff_cli.mechanics.equilibrium import equilibrium_matrix, force_density_matrix
+from cgff_cli.mechanics.norms import largest
 from cgff_cli.mechanics.state import State
 from cgff_cli.solvers.stopping import VANISHED
 
@@ -37,7 +38,7 @@ class Ranks:
         m, rounding = state.mechanics, state.rounding
         self.taut = state.stretch >= m.least - VANISHED * rounding
         blurred = float((m.k * state.taut * rounding / state.l).max())
-        self.threshold = max(tolerance * float(np.abs(state.q).max()), VANISHED * blurred)
+        self.threshold = max(tolerance * largest(state.q), VANISHED * blurred)
         U = state.V / state.l
         if m.is_small:
             s = m.structure
@@ -107,6 +108,7 @@ def _sparse(state: State, u: np.ndarray) -> tuple[Any, Any]:
     ends, n = np.stack((s.start, s.end), axis=1).reshape(-1), len(s.free)
 
     def rho_t(weight: np.ndarray) -> Any:
+        """Return rho^T diag(weight), weight: (b,)."""
         signed = np.stack((weight, -weight), axis=1).reshape(-1)
         return csc_array((signed, ends, 2 * np.arange(b + 1)), shape=(n, b))
 

@@ -6,9 +6,12 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from cgff_cli.mechanics.signs import MOST_REFINEMENTS, SETTLED, Spectrum
+from cgff_cli.mechanics.signs import SETTLED, Spectrum
 from cgff_cli.mechanics.state import State
 from cgff_cli.solvers.stopping import VANISHED
+
+MOST_REFINEMENTS = 3
+"""Newton steps that bring forces left over down to rounding before signs are told."""
 
 
 class Signs(Protocol):

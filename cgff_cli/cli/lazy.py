@@ -1,5 +1,6 @@
 """A group whose commands are made when they are called, and listed without being made."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import ClassVar
 
@@ -9,7 +10,7 @@ from cgff_cli.cli.common import TellingCommand
 from cgff_cli.hints import did_you_mean
 
 
-class LazyGroup(TellingCommand, click.Group):
+class LazyGroup(TellingCommand, click.Group, ABC):
     """Commands known by name and a line of help; a group of its own kind says which.
 
     listed : name -> line of help, in the order to list them
@@ -20,9 +21,9 @@ class LazyGroup(TellingCommand, click.Group):
     noun: ClassVar[str]
     heading: ClassVar[str]
 
+    @abstractmethod
     def made(self, name: str) -> click.Command:
         """Return the command of a name."""
-        raise NotImplementedError
 
     def meant(self, word: str) -> str:
         """Return what may have been meant by an unknown name, or all there is."""

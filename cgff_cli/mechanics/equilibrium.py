@@ -9,17 +9,16 @@ from cgff_cli.mechanics.connectivity import Connectivity
 
 
 def equilibrium_matrix(rho_t: np.ndarray, V: np.ndarray) -> np.ndarray:
-    """Return U, (..., d n, b), eq. (3): U q are the nodal forces that carry force densities q.
+    """Return U, (d n, b), eq. (3): U q are the nodal forces that carry force densities q.
 
-    rho_t: (n, b) connectivity, transposed; V: (d, ..., b) element vectors rho X.
+    rho_t: (n, b) connectivity, transposed; V: (d, b) element vectors rho X.
     """
-    U = V.swapaxes(0, -2)[..., None, :] * rho_t
-    return U.reshape(*U.shape[:-3], -1, U.shape[-1])
+    return (V[:, None] * rho_t).reshape(-1, V.shape[1])
 
 
 def force_density_matrix(rho_t: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Return D = rho^T diag(q) rho, (..., n, n), eq. (4); q: (..., b)."""
-    return (rho_t * q[..., None, :]) @ rho_t.T
+    """Return D = rho^T diag(q) rho, (n, n), eq. (4); q: (b,)."""
+    return (rho_t * q) @ rho_t.T
 
 
 def internal_forces(connectivity: Connectivity, V: np.ndarray, q: np.ndarray) -> np.ndarray:

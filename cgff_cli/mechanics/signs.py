@@ -10,14 +10,11 @@ from math import sqrt
 import numpy as np
 
 from cgff_cli.mechanics.elements import EPS
-from cgff_cli.mechanics.norms import norm
+from cgff_cli.mechanics.norms import largest, norm
 from cgff_cli.mechanics.state import State
 
 BLUR = 1e-14
 """Rounding error of an eigenvalue over the norm of its matrix and the root of its size, with some room."""
-
-MOST_REFINEMENTS = 3
-"""Newton steps that bring forces left over down to rounding before signs are told."""
 
 SETTLED = 8.0
 """Kantorovich: where K changes by at most L per length, a smallest stiffness s with s^2 > 8 L |eta| keeps
@@ -36,7 +33,7 @@ def blurred_at_most(state: State) -> float:
 
 def _own_rounding(state: State) -> float:
     """Return how far rounding of an element's own length and place blurs its stiffness, at most."""
-    m, reach = state.mechanics, float(np.abs(state.X).max(initial=0.0))
+    m, reach = state.mechanics, largest(state.X)
     own = m.k * (state.taut & (m.l0 > 0.0)) * (1.0 + (reach + np.abs(state.e)) / state.l)
     return 4.0 * EPS * float(own.max())
 

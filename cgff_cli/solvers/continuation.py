@@ -21,6 +21,7 @@ from dataclasses import replace
 import numpy as np
 
 from cgff_cli.mechanics import elements
+from cgff_cli.mechanics.norms import largest
 from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.mechanics.tangent import Parts
 from cgff_cli.solvers.descent import iterates
@@ -36,10 +37,12 @@ MOST_STEPS = 30
 slack)."""
 
 TO_BOUNDARY = 0.95
-"""Share of the way to where an extension or slackness ends (0.9 and 0.99: tests/studies/hard_suite.py)."""
+"""Share of the way to where an extension or slackness ends; what is left of 1 is how far a step may leave
+compatibility, over rest lengths (0.9 and 0.99 did as well: tests/studies/hard_suite.py)."""
 
 STRIDE = 0.5
-"""No element vector changes by more than this share of its rest length in a step; twice that loses scenes."""
+"""No element vector changes by more than this share of its rest length in a step (1 did as well on
+tests/studies/hard_suite.py)."""
 
 LOOSE = 1e-3
 """Least scale of the first extensions over lengths, shortest step, and tolerance of a softer structure (1e-2
@@ -88,7 +91,7 @@ class Mixed:
             target = min(max(left**3, LOOSE * LOOSE), TO_BOUNDARY) * mean
             e0 = np.where(cable, (e * rho + target / m.k - e * w - de * dw) / both, rho)
             dX, dV, de, dw = self._direction(solve, D, rho, e0)
-        self._move(dX, dV, de, dw, float(np.abs(rho / self.unit).max()))
+        self._move(dX, dV, de, dw, largest(rho / self.unit))
         return True
 
     def _system(self, M: Tangent, D: np.ndarray, first: bool) -> Solve | None:
@@ -131,7 +134,7 @@ class Mixed:
         while a > LOOSE:
             l = elements.lengths(state.V + a * dV)
             left = l - m.l0 - (self.e + a * de) + (self.w + a * dw)
-            if float(np.abs(left / self.unit).max()) <= max(1.0 - TO_BOUNDARY, 2.0 * worst):
+            if largest(left / self.unit) <= max(1.0 - TO_BOUNDARY, 2.0 * worst):
                 break
             a *= 0.5
         self.state = m.at(state.X + a * dX)
@@ -191,9 +194,9 @@ def stages(structure: Structure) -> Iterator[Structure]:
     stiffness. k' = k c / (k + c).
     """
     k = structure.stiffness
-    load = float(np.abs(structure.loads).max())
+    load = largest(structure.loads)
     centred = structure.coordinates - structure.coordinates.mean(axis=0)
-    size = float(np.abs(centred).max()) + float(structure.rest_lengths.max())
+    size = largest(centred) + largest(structure.rest_lengths)
     cap = TENFOLD * load / size if load > 0.0 else float(k.min())
     while cap < float(k.max()):
         yield replace(structure, stiffness=k * (cap / (k + cap)))

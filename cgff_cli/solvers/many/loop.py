@@ -21,7 +21,7 @@ from cgff_cli.solvers.preconditioners.base import FIRST_SHIFT, LONG_STEP, QUARTE
 from cgff_cli.structure import Structure
 
 ENTRIES = 2**20
-"""Entries of all matrices in work at a time, 8 MB."""
+"""Entries of all matrices in work at a time, 8 MB (tests/studies/many.py --entries)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +67,7 @@ class Loop:
             while begun < m or len(rows.number):
                 parts = self._step(rows)
                 room = self.at_once - sum(len(part.number) for part in parts)
-                if begun < m and 4 * room >= self.at_once:
+                if begun < m and room >= QUARTER * self.at_once:
                     parts.append(self._begun(begun, begun + room))
                     begun += room
                 columns = {key: np.concatenate([vars(part)[key] for part in parts]) for key in vars(rows)}
@@ -88,7 +88,7 @@ class Loop:
         step = r.alpha[:, None] * r.d
         s = self.topology.at(r, step)
         rise = 0.5 * dot(r.t + s.t, s.e - r.e) - dot(r.F, step)
-        slope, noise = dot(s.g, r.d), 4.0 * norms(s.t * s.rounding)
+        slope, noise = dot(s.g, r.d), 2.0 * norms(s.t * s.rounding)
         descends = rise <= ENOUGH_DECREASE * r.alpha * r.slope + noise
         met = descends & (np.abs(slope) <= -FLAT_ENOUGH_FOR_NEWTON * r.slope)
         on = ~met & (r.waited < MOST_TRIALS)

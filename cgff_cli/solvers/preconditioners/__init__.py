@@ -1,7 +1,5 @@
 """M^-1 in z = M^-1 g, chosen from the scene: its size, its supports, its elements; never from a clock."""
 
-import numpy as np
-
 from cgff_cli.mechanics.state import Mechanics
 from cgff_cli.options import SolveOptions
 from cgff_cli.solvers.preconditioners.base import Preconditioner, Tangent
@@ -41,10 +39,4 @@ def _is_anchored_net(mechanics: Mechanics) -> bool:
     structure = mechanics.structure
     if mechanics.moves is None or mechanics.mask is not None or not structure.tension_only.all():
         return False
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    n = len(structure.free)
-    joined = coo_array((np.ones(len(structure.start)), (structure.start, structure.end)), shape=(n, n))
-    parts, label = connected_components(joined, directed=False)
-    return bool(np.bincount(label[~mechanics.moves], minlength=parts).all())
+    return structure.is_tied()

@@ -49,7 +49,8 @@ class Preconditioner:
 
 
 FIRST_SHIFT = 1e-3
-"""mu at the start: with 1e-2 and with 1e-6 scenes are lost (tests/studies/hard_suite.py)."""
+"""mu at the start, and the share of stiffness that frames lend to what has none: with 1e-2 and with 1e-6
+scenes are lost (tests/studies/hard_suite.py)."""
 
 LONG_STEP = 0.5
 

@@ -17,7 +17,7 @@ from cgff_cli.solvers.line_search import TENFOLD
 from cgff_cli.solvers.preconditioners.base import Solve, Tangent
 
 INVERSE_ITERATIONS = 30
-"""Steps towards the softest motion (10 did as well: tests/studies/hard_suite.py)."""
+"""Steps towards the softest motion (10 did as well: tests/solvers/test_large.py; no hard scene needs one)."""
 
 
 class SparseTangent(Tangent):
