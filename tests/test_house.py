@@ -12,7 +12,7 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 1050,
+    "top": 1068,
     "analysis": 610,
     "cli": 1780,
     "mechanics": 922,
