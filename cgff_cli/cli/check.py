@@ -1,5 +1,6 @@
 """`cgff check`: read and validate scenes, solve nothing."""
 
+import sys
 from collections.abc import Iterable
 from itertools import zip_longest
 from typing import TYPE_CHECKING, Any
@@ -11,7 +12,6 @@ from cgff_cli.cli.common import (
     SectionCommand,
     examples,
     report_error,
-    screen,
     title,
     warn_of,
     word_options,
@@ -106,11 +106,12 @@ def _line(record: dict[str, Any]) -> list[str]:
         f"{record['path']}: ok: {nodes}, {elements} in {groups}, {record['dimension']}-D, {held}, "
         f"law {record['law']}"
     )
-    if not screen()["terminal"]:
+    if not sys.stdout.isatty():
         return [f"{line}\n"]
-    from cgff_cli.report.terminal import wrapped
+    from shutil import get_terminal_size
+    from textwrap import fill
 
-    return [wrapped(line, **screen())]
+    return [fill(line, get_terminal_size().columns, break_on_hyphens=False), "\n"]
 
 
 def _count(number: int, plural: str) -> str:

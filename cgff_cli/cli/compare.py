@@ -10,25 +10,27 @@ import click
 from cgff_cli.cli.common import (
     ExitCode,
     SectionCommand,
+    drawn,
     examples,
+    failed,
     progress,
-    report_error,
     say,
-    screen,
     title,
     wanted,
-    warn,
+    warn_of,
     word_options,
     worst,
 )
-from cgff_cli.cli.comparing import (
-    comparing_flags,
-    comparing_options,
-    form_of,
-    wanted_methods,
-)
+from cgff_cli.cli.comparing import comparing_flags, comparing_options, wanted_methods
 from cgff_cli.cli.options import once_only, output_flag
-from cgff_cli.cli.targets import Named, check_targets, files_among, files_of, refuse_inputs
+from cgff_cli.cli.targets import (
+    Named,
+    check_targets,
+    files_among,
+    files_of,
+    form_of_data,
+    refuse_inputs,
+)
 from cgff_cli.report.files import STDOUT, write_output
 
 if TYPE_CHECKING:
@@ -70,7 +72,7 @@ def command(ctx: click.Context, scenes: tuple[str, ...], **values: Any) -> None:
     from cgff_cli.study.machine import done
     from cgff_cli.study.scenes import SceneJob
 
-    form, path = form_of(values["output_format"], values["output"]), values["output"]
+    form, path = form_of_data(values["output_format"], values["output"]), values["output"]
     given = scenes or _paper()
     targets = _prepare(given, path, values["plot"])
     options = comparing_options(values) | {"methods": wanted_methods(values, "fdm")}
@@ -119,15 +121,10 @@ def _compared(options: dict[str, Any], targets: Sequence[Named], job: "SceneJob"
 def _told(ended: "Done[SceneJob, Comparison]") -> ExitCode:
     """Say on standard error what a reader of the exit code alone would miss, and return that code."""
     name = title(ended.job.path)
-    if ended.is_interrupt:
-        say(f"cgff: {name}: interrupted")
-        return ExitCode.INTERRUPTED
-    if isinstance(ended.error, click.UsageError):
-        raise ended.error
-    if ended.error is not None:
-        return report_error(ended.error)
-    for warning in ended.found.source.warnings:
-        warn(f"cgff: {name}: warning: {warning}")
+    code = failed(ended, name)
+    if code is not None:
+        return code
+    warn_of(name, ended.found.source.warnings)
     own = ended.found.methods[0]
     if own.converged:
         return ExitCode.OK
@@ -152,13 +149,13 @@ def _prepare(scenes: Sequence[str], path: str | None, plot: str | None) -> list[
 def _text(found: "list[Comparison]", form: str, many: bool) -> Iterable[str]:
     """Return the pieces of text of comparisons; many: one of several pieces of standard output."""
     if form == "csv":
-        from cgff_cli.report.comparison_csv import comparisons
+        from cgff_cli.report.csv_out import comparison_table
 
-        return comparisons(found)
+        return comparison_table(found)
     if form == "table":
-        from cgff_cli.report.comparison_text import comparison_text
+        from cgff_cli.report.comparison_text import comparison_page
 
-        pages = [comparison_text(one, **screen(), full=bool(wanted("verbose"))) for one in found]
+        pages = [drawn(comparison_page(one, bool(wanted("verbose")))) for one in found]
         return [*pages, "\n"] if many else pages
     from cgff_cli.report import json_out
 

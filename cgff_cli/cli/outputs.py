@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from cgff_cli.cli.common import screen, title, wanted
+from cgff_cli.cli.common import drawn, title, wanted
 from cgff_cli.cli.targets import (
     check_targets,
     files_among,
@@ -98,9 +98,9 @@ class Outputs:
 
             write_output(self.summary, (summary_lines if self.as_lines else summary_csv)(self.rows))
         if self.shown == "summary":
-            from cgff_cli.report.summary import summary_text
+            from cgff_cli.report.summary import summary_page
 
-            write_output(STDOUT, [summary_text(self.rows, **screen())])
+            write_output(STDOUT, [drawn(summary_page(self.rows))])
 
 
 def _refuse_conflicts(scenes: Sequence[str], flags: Mapping[str, Any]) -> None:
@@ -152,9 +152,9 @@ def _text(result: "Result", kind: str, form: str) -> Iterable[str]:
         }
         return writers[kind](result)
     if form == "table":
-        from cgff_cli.report.table import result_text
+        from cgff_cli.report.table import result_page
 
-        return [result_text(result, **screen(), full=bool(wanted("verbose")))]
+        return [drawn(result_page(result, bool(wanted("verbose"))))]
     from cgff_cli.report import json_out
 
     if kind == "elements":

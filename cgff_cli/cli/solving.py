@@ -5,9 +5,7 @@ from collections.abc import Iterator, MutableMapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import click
-
-from cgff_cli.cli.common import ExitCode, progress, report_error, say, title, wanted, warn_of
+from cgff_cli.cli.common import ExitCode, failed, progress, say, title, wanted, warn_of
 from cgff_cli.cli.outputs import Outputs
 from cgff_cli.cli.requirements import Requirement, judged_for, unmet
 from cgff_cli.report.files import STDOUT, write_output
@@ -97,15 +95,11 @@ def watched(found: "Iterator[Done[SceneJob, Kept]]", count: int, processes: int)
 
 def took(ended: "Done[SceneJob, Kept]", outputs: Outputs, journal: "MutableMapping[str, Row]") -> ExitCode:
     """Take what became of a scene; what went wrong with it is told and stops no other."""
-    if ended.is_interrupt:  # outside the solver, which keeps what it has reached
-        say("cgff: interrupted")
-        return ExitCode.INTERRUPTED
-    if isinstance(ended.error, (BrokenPipeError, click.UsageError)):
-        raise ended.error
     scene = ended.job.path
-    if ended.error is not None:
-        code = report_error(ended.error)
-        outputs.failed(scene, "bad_scene" if code is ExitCode.SCENE else "error")
+    code = failed(ended)
+    if code is not None:
+        if ended.error is not None:
+            outputs.failed(scene, "bad_scene" if code is ExitCode.SCENE else "error")
         return code
     row, text = ended.found
     write_output(STDOUT, [text] if ended.is_new else outputs.written(scene))

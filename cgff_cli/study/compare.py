@@ -3,8 +3,6 @@
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 
-import numpy as np
-
 from cgff_cli.errors import OptionError
 from cgff_cli.options import SolveOptions
 from cgff_cli.rivals.registry import REGISTRY
@@ -88,5 +86,4 @@ def _task(scene: Scene, options: SolveOptions) -> Task:
     best = cgff.form_find(structure, replace(options, tolerance=FLOOR, objective="energy"))
     if best.verdict is Verdict.INTERRUPTED:
         raise KeyboardInterrupt
-    groups = np.repeat(np.arange(len(scene.groups)), [len(group.EA) for group in scene.groups])
-    return Task(structure, groups, options, best, alignment_of(best.shape, structure.free))
+    return Task(structure, scene.owners, options, best, alignment_of(best.shape, structure.free))
