@@ -100,7 +100,7 @@ def _finish(found: "list[Comparison]", form: str, path: str | None, plot: str | 
 
 
 def _paper() -> list[str]:
-    from cgff_cli.scene.shipped import PAPER, shipped
+    from cgff_cli.scene.read import PAPER, shipped
 
     return [shipped(name) for name in PAPER]
 

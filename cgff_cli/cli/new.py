@@ -13,10 +13,9 @@ from cgff_cli.cli.targets import check_targets, files_among, form_of_file
 from cgff_cli.errors import OptionError
 from cgff_cli.report.files import STDOUT, write_output
 from cgff_cli.scene.families import FAMILIES
-from cgff_cli.scene.parameters import Parameter
 
 if TYPE_CHECKING:
-    from cgff_cli.scene.new import Made
+    from cgff_cli.scene.new import Made, Parameter
 
 MANY = 2000
 """Elements above which a scene file keeps its nodes and elements in tables beside it."""
@@ -93,10 +92,10 @@ def command() -> None:
     """
 
 
-def _parameter_flag(parameter: Parameter, section: str) -> Decorator[Any]:
+def _parameter_flag(parameter: "Parameter", section: str) -> Decorator[Any]:
     choices = parameter.rule.choices
-    letter = {int: "N", str: "TEXT", float: "X"}[parameter.kind]
-    kinds = () if parameter.kind is str else (int, float)
+    letter = {int: "N", str: "TEXT", float: "X"}[parameter.rule.kind]
+    kinds = () if parameter.rule.kind is str else (int, float)
     default = "" if parameter.default is None else f" Default: {parameter.default}."
     return flag(
         parameter.flag,

@@ -10,8 +10,27 @@ from cgff_cli.errors import OptionError
 from cgff_cli.hints import meant_or_all
 from cgff_cli.scene.equilibrium import Equilibrium, realised
 from cgff_cli.scene.families import FAMILIES
-from cgff_cli.scene.parameters import Parameter, parameters_of
 from cgff_cli.scene.scene import Scene
+from cgff_cli.values import Rule
+
+_SMALLEST, _LARGEST = 1e-12, 1e12  # of a length, a force or a count of a family
+
+
+class Parameter(NamedTuple):
+    """One keyword of a family's function; a default of None is explained by its help."""
+
+    name: str
+    default: Any
+    rule: Rule
+
+    @property
+    def flag(self) -> str:
+        """The name as a command-line flag."""
+        return f"--{self.name.replace('_', '-')}"
+
+    def checked(self, value: object) -> Any:
+        """Return a value in the parameter's type; raises OptionError saying what is allowed."""
+        return None if value is None and self.default is None else self.rule.checked(self.name, value)
 
 
 class Family(NamedTuple):
@@ -44,8 +63,8 @@ def find(name: str) -> Family:
     if name not in FAMILIES:
         raise OptionError(f"unknown family {name!r}{meant_or_all(name, FAMILIES)}")
     module = import_module(f"cgff_cli.scene.families.{name.replace('-', '_')}")
-    own = parameters_of(module.equilibrium)
-    return Family(name, module.equilibrium, own, parameters_of(realised), module.EXAMPLES)
+    own = _parameters_of(module.equilibrium)
+    return Family(name, module.equilibrium, own, _parameters_of(realised), module.EXAMPLES)
 
 
 def make(name: str, given: Mapping[str, object]) -> Made:
@@ -62,6 +81,19 @@ def make(name: str, given: Mapping[str, object]) -> Made:
     flags = [(known[key], values[key]) for key in known if key in values]
     exact = not target.added_loads and not values.get("jitter")
     return Made(scene, _header(name, target, flags, exact))
+
+
+def _parameters_of(function: Callable[..., Any]) -> dict[str, Parameter]:
+    """Return the keyword-only parameters of a function annotated with rules, in order."""
+    found = {}
+    for name, default in (function.__kwdefaults__ or {}).items():
+        hint = function.__annotations__[name]
+        kind = next((kind for kind in (int, str) if hint.__origin__ in (kind, kind | None)), float)
+        rule = hint.__metadata__[0]
+        smallest = _SMALLEST if rule.positive else 0.0
+        rule = rule._replace(kind=kind, smallest=smallest, largest=_LARGEST)
+        found[name] = Parameter(name, default, rule)
+    return found
 
 
 def _header(name: str, target: Equilibrium, flags: list[tuple[Parameter, Any]], exact: bool) -> str:

@@ -10,10 +10,9 @@ from cgff_cli.scene.fields import is_absent, option_value
 from cgff_cli.scene.findings import Findings, Mark, Where
 from cgff_cli.scene.located import Plain
 from cgff_cli.scene.new import new
-from cgff_cli.scene.read import from_dict, load
+from cgff_cli.scene.read import from_dict, load, shipped
 from cgff_cli.scene.scene import Scene
 from cgff_cli.scene.schema import SCENE_KEYS, read_scene
-from cgff_cli.scene.shipped import shipped
 from cgff_cli.study.changes import CHANGES, chain, changed
 
 SOURCES = {

@@ -11,8 +11,8 @@ from cgff_cli.scene.fields import found, is_absent, mapping
 from cgff_cli.scene.findings import NOWHERE, Findings, Mark, Where
 from cgff_cli.scene.keys import check_keys
 from cgff_cli.scene.located import Document, FormError
+from cgff_cli.scene.read import shipped
 from cgff_cli.scene.schema import SCENE_KEYS
-from cgff_cli.scene.shipped import shipped
 from cgff_cli.scene.text import read_text, reason
 from cgff_cli.scene.yaml_text import yaml_events
 from cgff_cli.study.case import SOURCES, Case, meant
