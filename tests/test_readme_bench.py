@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from cgff_cli.study.bench import BENCH_SCHEMA
+from cgff_cli.study.case import BALANCED, STABILITIES
 from cgff_cli.study.changes import CHANGES
-from cgff_cli.study.expectation import BALANCED, STABILITIES
 from cgff_cli.study.measure import ROW_FIELDS
 from cgff_cli.study.suite import cases_of, standard
 from tests.pages import ROOT, WORDS, blocks, code_in, rows, section

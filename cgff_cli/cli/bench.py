@@ -102,10 +102,8 @@ class Bench:
 
         place = f"case {self.asked.index(job) + 1} of {len(self.asked)}"
         with progress(job.case.id, delay=0.0) as line:
-            if line is None:
-                return measured(job)
-            line.show(place)
-            return measured(job, lambda method, run: line.show(f"{place}, {method}, run {run}"))
+            show = None if line is None else lambda *run: line.show(f"{place}, {run[0]}, run {run[1]}")
+            return measured(job, show)
 
     def took(self, ended: "Done[Job, list[Row]]") -> ExitCode:
         """Take what became of a job: write what there is so far, and tell how it ended."""

@@ -19,6 +19,7 @@ from cgff_cli.cli.common import (
 )
 from cgff_cli.cli.options import format_flag, scenes_arguments
 from cgff_cli.errors import Problem, SceneError
+from cgff_cli.hints import count
 from cgff_cli.report.files import STDOUT, write_output
 
 if TYPE_CHECKING:
@@ -100,7 +101,7 @@ def _json(record: dict[str, Any], lines: bool) -> Iterable[str]:
 
 def _line(record: dict[str, Any]) -> list[str]:
     """Return what is said of a good scene, wrapped where a terminal is too narrow for it."""
-    nodes, elements, groups, supports, loads = (_count(record[noun], noun) for noun in _COUNTED)
+    nodes, elements, groups, supports, loads = (count(record[noun], noun[:-1]) for noun in _COUNTED)
     held = f"{supports}, {loads}" if record["loads"] else supports
     line = (
         f"{record['path']}: ok: {nodes}, {elements} in {groups}, {record['dimension']}-D, {held}, "
@@ -112,8 +113,3 @@ def _line(record: dict[str, Any]) -> list[str]:
     from textwrap import fill
 
     return [fill(line, get_terminal_size().columns, break_on_hyphens=False), "\n"]
-
-
-def _count(number: int, plural: str) -> str:
-    """Return "no supports", "1 support" or "2 supports"."""
-    return f"{number or 'no'} {plural if number != 1 else plural[:-1]}"

@@ -113,9 +113,8 @@ def _compared(options: dict[str, Any], targets: Sequence[Named], job: "SceneJob"
     scene = load(job.path)
     refuse_inputs(targets, ((file, f"a file of {title(job.path)}") for file in scene.files))
     with progress(title(job.path), delay=0.0) as line:
-        if line is None:
-            return compare(scene, **options)
-        return compare(scene, observer=lambda name, run: line.show(f"{name}, run {run}"), **options)
+        show = None if line is None else lambda *run: line.show(f"{run[0]}, run {run[1]}")
+        return compare(scene, observer=show, **options)
 
 
 def _told(ended: "Done[SceneJob, Comparison]") -> ExitCode:

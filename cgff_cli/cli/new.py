@@ -8,7 +8,7 @@ import click
 
 from cgff_cli.cli.common import Decorator, SectionCommand, examples, flag, flags, word_options
 from cgff_cli.cli.lazy import LazyGroup
-from cgff_cli.cli.options import Checked, as_sentence, output_flag
+from cgff_cli.cli.options import output_flag, rule_flag
 from cgff_cli.cli.targets import check_targets, files_among, form_of_file
 from cgff_cli.errors import OptionError
 from cgff_cli.report.files import STDOUT, write_output
@@ -92,19 +92,8 @@ def command() -> None:
     """
 
 
-def _parameter_flag(parameter: "Parameter", section: str) -> Decorator[Any]:
-    choices = parameter.rule.choices
-    letter = {int: "N", str: "TEXT", float: "X"}[parameter.rule.kind]
-    kinds = () if parameter.rule.kind is str else (int, float)
-    default = "" if parameter.default is None else f" Default: {parameter.default}."
-    return flag(
-        parameter.flag,
-        parameter.name,
-        section=section,
-        type=click.Choice(choices) if choices else Checked(letter, parameter.checked, *kinds),
-        metavar=None if choices else letter,
-        help=as_sentence(parameter.rule.help) + default,
-    )
+def _parameter_flag(own: "Parameter", section: str) -> Decorator[Any]:
+    return rule_flag(own.name, own.rule, own.checked, section, own.default)
 
 
 def _write(made: "Made", output: str, tables: bool | None) -> None:

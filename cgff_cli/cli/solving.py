@@ -73,7 +73,7 @@ def earlier(
 
     if folder is None:
         return list(map(SceneJob, scenes)), {}, {}
-    from cgff_cli.study.journal import Journal
+    from cgff_cli.study.machine import Journal
 
     jobs, journal = list(resumable(scenes, work.asked)), Journal(os.path.join(folder, JOURNAL))
     left = [job for job in jobs if job.digest in journal and work.outputs.are_there(job.path)]

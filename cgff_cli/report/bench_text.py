@@ -7,12 +7,12 @@ from typing import Any
 from rich.console import Group, RenderableType
 from rich.text import Text
 
+from cgff_cli.hints import count
 from cgff_cli.report.terminal import (
     Aligned,
     Column,
     clean,
     column,
-    count,
     duration,
     fields,
     stabilities,

@@ -7,12 +7,12 @@ import numpy as np
 from rich.console import RenderableType
 from rich.text import Text
 
+from cgff_cli.hints import count
 from cgff_cli.report.terminal import (
     Aligned,
     Column,
     clean,
     column,
-    count,
     duration,
     fields,
     number,

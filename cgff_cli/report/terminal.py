@@ -189,11 +189,6 @@ def duration(seconds: float) -> str:
     return f"{seconds:.3g} s" if seconds < 120.0 else f"{seconds / 60:.3g} min"
 
 
-def count(number: int, singular: str, plural: str = "") -> str:
-    """Return "no cables", "1 cable" or "2 cables"."""
-    return f"{number or 'no'} {singular if number == 1 else plural or singular + 's'}"
-
-
 def clean(text: str) -> str:
     """Return a user's text with control characters spelled out, which a terminal would obey."""
     return "".join(char if char.isprintable() else ascii(char)[1:-1] for char in text)

@@ -16,13 +16,13 @@ from cgff_cli.structure import Structure
 class End(NamedTuple):
     """Where a rival came to by itself.
 
-    X               : (n, d) shape about the centroid of the start
+    X               : (n, d) shape about the centroid of the start; None where it failed
     verdict         : how it ended, or "" to let the residual tell
     message         : its own words on how it ended
     force_densities : (b,) where it has its own, not those of the scene's EA and rest lengths
     """
 
-    X: np.ndarray
+    X: np.ndarray | None
     verdict: str = ""
     message: str = ""
     force_densities: np.ndarray | None = None

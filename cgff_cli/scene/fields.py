@@ -5,8 +5,10 @@ Values may come from YAML (`Plain` or quoted text), from JSON or from Python.
 
 import math
 import re
+from collections.abc import Mapping
 from typing import Any
 
+from cgff_cli.errors import OptionError
 from cgff_cli.scene.findings import Findings, Where, quoted
 from cgff_cli.values import LONGEST, Rule, as_number
 
@@ -97,6 +99,22 @@ def one_of(
     hint = findings.hint(value, allowed) if isinstance(value, str) else ""
     findings.add(where, f"must be {explained}, got {found(value)}{hint}")
     return None
+
+
+def ruled(
+    findings: Findings, where: Where, values: Mapping[str, Any], rules: Mapping[str, Rule]
+) -> dict[str, Any]:
+    """Return the values that rules speak of, each in its own type, and record those they do not allow."""
+    allowed: dict[str, Any] = {}
+    for key in (key for key in values if key in rules):
+        if isinstance(values[key], (list, dict)):
+            findings.add((*where, key), f"must be one value, got {found(values[key])}")
+            continue
+        try:
+            allowed[key] = rules[key].checked(key, option_value(values[key]))
+        except OptionError as error:
+            findings.add((*where, key), str(error).removeprefix(f"{key} "))
+    return allowed
 
 
 def option_value(value: object) -> object:

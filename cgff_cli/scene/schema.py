@@ -5,8 +5,8 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, TypeVar
 
-from cgff_cli.errors import OptionError
-from cgff_cli.options import OPTIONS, checked
+from cgff_cli.hints import meant_or_all
+from cgff_cli.options import OPTIONS
 from cgff_cli.scene import elements, fields, nodes, physics
 from cgff_cli.scene.columns import CellColumn
 from cgff_cli.scene.fields import found, is_absent
@@ -17,6 +17,7 @@ from cgff_cli.scene.nodes import Nodes
 from cgff_cli.scene.scene import AXES, LAWS, Group, Scene
 
 SCENE_KEYS = ("name", "law", "nodes", "elements", "supports", "loads", "solver")
+OPTION_RULES = {name: option.metadata["rule"] for name, option in OPTIONS.items()}
 T = TypeVar("T")
 Reader = Callable[[Any], T | None]
 _LAWS_EXPLAINED = "paper (force = EA (l - l0)) or hooke (force = EA (l - l0) / l0)"
@@ -143,21 +144,10 @@ def _loads(findings: Findings, value: object, points: Nodes | None) -> dict[int,
 
 def _solver(findings: Findings, value: object) -> dict[str, object]:
     """Return the solve options a scene asks for, each checked like a command-line flag."""
-    values = _optional(findings, ("solver",), value, "of solve options to values")
-    options: dict[str, object] = {}
-    for key, setting in (values or {}).items():
-        where = ("solver", key)
-        if isinstance(setting, (list, dict)):
-            findings.add(where, f"must be one value, got {found(setting)}")
-            continue
-        try:
-            options[str(key)] = checked(str(key), fields.option_value(setting))
-        except OptionError as error:
-            if key in OPTIONS:
-                findings.add(where, str(error).removeprefix(f"{key} "))
-            else:
-                findings.add_key(where, str(error))
-    return options
+    values = _optional(findings, ("solver",), value, "of solve options to values") or {}
+    for key in [key for key in values if key not in OPTIONS]:
+        findings.add_key(("solver", key), f"unknown solve option {key!r}{meant_or_all(key, OPTIONS)}")
+    return fields.ruled(findings, ("solver",), values, OPTION_RULES)
 
 
 def _check_use(

@@ -8,10 +8,9 @@ from typing import Any, NamedTuple
 from cgff_cli import TOOL
 from cgff_cli.errors import OptionError, Problem, SceneError
 from cgff_cli.scene.scene import Scene
-from cgff_cli.study.case import Case, built
+from cgff_cli.study.case import REFUSED, Case, built
 from cgff_cli.study.compare import chosen
 from cgff_cli.study.digest import contents, digest_of, machine
-from cgff_cli.study.expectation import REFUSED
 from cgff_cli.study.machine import Row
 
 BENCH_SCHEMA = "cgff-bench/1"

@@ -7,11 +7,13 @@ its own, and hands them back as `known`. Work too small for a job by itself goes
 cut by number alone.
 """
 
+import json
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import islice
 from typing import Any, Generic, NamedTuple, Protocol, TypeVar, cast
 
+from cgff_cli.errors import CgffError
 from cgff_cli.study.hands import hands
 
 Row = dict[str, Any]
@@ -81,3 +83,42 @@ def _ended(job: J, get: Callable[[], R] | None, known: Mapping[str, R]) -> Done[
         return Done(job, get())
     except Exception as error:
         return Done(job, cast(R, None), error)
+
+
+class Journal(dict[str, Any]):
+    """Digest -> plain values, in a file that grows by a line each time: a run cut short goes on there.
+
+    Raises CgffError where the system refuses.
+    """
+
+    def __init__(self, path: str):
+        self.path = path
+        super().__init__(_entries(path))
+
+    def __setitem__(self, digest: str, value: Any) -> None:
+        super().__setitem__(digest, value)
+        try:
+            with open(self.path, "a", encoding="utf-8") as file:
+                # A line of its own, whatever a run that was killed left of its last one.
+                file.write(f"\n{json.dumps([digest, value])}")
+        except OSError as error:
+            raise CgffError(f"{self.path}: cannot be written: {error.strerror or error}") from error
+
+
+def _entries(path: str) -> dict[str, Any]:
+    """Return what a file holds, the last of each digest; none where there is no file."""
+    try:
+        with open(path, encoding="utf-8", errors="replace") as file:
+            lines = file.readlines()
+    except FileNotFoundError:
+        return {}
+    except OSError as error:
+        raise CgffError(f"{path}: cannot be read: {error.strerror or error}") from error
+    found = {}
+    for line in lines:
+        try:
+            digest, value = json.loads(line)
+        except (ValueError, TypeError):  # an empty line, or one that was cut off
+            continue
+        found[str(digest)] = value
+    return found

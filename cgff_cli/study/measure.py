@@ -8,8 +8,8 @@ from cgff_cli.options import OPTIONS
 from cgff_cli.scene.scene import Scene
 from cgff_cli.study.alignment import distance_difference, size
 from cgff_cli.study.bench import Job, own_method
+from cgff_cli.study.case import REFUSED, as_expected, outcome
 from cgff_cli.study.compare import BeforeRun, compare
-from cgff_cli.study.expectation import REFUSED, as_expected, outcome
 from cgff_cli.study.machine import Row
 from cgff_cli.study.record import Method
 

@@ -10,8 +10,8 @@ import cgff_cli
 from cgff_cli.rivals.trace import TOLERANCES
 from cgff_cli.study import measure
 from cgff_cli.study.bench import Job, jobs_of
+from cgff_cli.study.case import agrees
 from cgff_cli.study.digest import machine
-from cgff_cli.study.expectation import agrees
 from cgff_cli.study.measure import ROW_FIELDS, measured
 from cgff_cli.study.suite import cases_of
 from tests.shapes import STRUCTURES
