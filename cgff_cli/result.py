@@ -32,11 +32,7 @@ class Result:
     found: dict[str, Any] | None = None
     analysis_interrupted: bool = False
     schema: str = field(default=SCHEMA, init=False)
-
-    @property
-    def tool(self) -> dict[str, str]:
-        """Name and version of what made this."""
-        return dict(TOOL)
+    tool: dict[str, str] = field(default_factory=TOOL.copy, init=False)
 
     @property
     def scene(self) -> dict[str, Any]:

@@ -22,7 +22,7 @@ from cgff_cli.report.terminal import (
     verdict_words,
     verdicts,
 )
-from cgff_cli.rivals.trace import AtResidual, AtShape
+from cgff_cli.rivals.task import AtResidual, AtShape
 from cgff_cli.study.record import Comparison, Method
 
 ALIGNMENTS = {

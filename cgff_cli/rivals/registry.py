@@ -9,8 +9,7 @@ from cgff_cli.rivals.dynamic_relaxation import dynamic_relaxation
 from cgff_cli.rivals.fdm import fdm
 from cgff_cli.rivals.schek import schek
 from cgff_cli.rivals.scipy_solvers import fsolve, fsolve_fd, lbfgs, lm
-from cgff_cli.rivals.task import End, Rival, Task
-from cgff_cli.rivals.trace import Trace
+from cgff_cli.rivals.task import End, Rival, Task, Trace
 from cgff_cli.solvers.cgff import run_of
 from cgff_cli.solvers.descent import iterates
 from cgff_cli.solvers.rescues import onward

@@ -12,8 +12,7 @@ import numpy as np
 from cgff_cli.errors import CgffError
 from cgff_cli.mechanics.pattern import TangentPattern
 from cgff_cli.mechanics.state import State
-from cgff_cli.rivals.task import End, Task, Unknowns
-from cgff_cli.rivals.trace import Trace
+from cgff_cli.rivals.task import End, Task, Trace, Unknowns
 
 MOST_DENSE = 2000
 """Unknowns up to which a dense Jacobian, and its QR factors in every step, are worth having."""

@@ -111,7 +111,7 @@ def ruled(
             findings.add((*where, key), f"must be one value, got {found(values[key])}")
             continue
         try:
-            allowed[key] = rules[key].checked(key, option_value(values[key]))
+            allowed[str(key)] = rules[key].checked(key, option_value(values[key]))
         except OptionError as error:
             findings.add((*where, key), str(error).removeprefix(f"{key} "))
     return allowed

@@ -11,8 +11,7 @@ from cgff_cli.analysis.equilibrium import analysed
 from cgff_cli.errors import CgffError
 from cgff_cli.mechanics.state import Mechanics
 from cgff_cli.rivals.registry import REGISTRY
-from cgff_cli.rivals.task import End, Task
-from cgff_cli.rivals.trace import TOLERANCES, AtResidual, AtShape, Stop, Trace
+from cgff_cli.rivals.task import TOLERANCES, AtResidual, AtShape, End, Stop, Task, Trace
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers.solution import Solution
 from cgff_cli.solvers.stopping import Gauge, Verdict, Watch

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import cgff_cli
-from cgff_cli.rivals.trace import TOLERANCES
+from cgff_cli.rivals.task import TOLERANCES
 from cgff_cli.study import measure
 from cgff_cli.study.bench import Job, jobs_of
 from cgff_cli.study.case import agrees
