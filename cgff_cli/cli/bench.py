@@ -98,7 +98,7 @@ class Bench:
 
     def measured(self, job: "Job") -> "list[Row]":
         """Return the rows of a job, showing on a terminal which run of which case is at work."""
-        from cgff_cli.study.measure import measured
+        from cgff_cli.study.bench import measured
 
         place = f"case {self.asked.index(job) + 1} of {len(self.asked)}"
         with progress(job.case.id, delay=0.0) as line:

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cgff_cli.scene import fields
-from cgff_cli.scene.columns import CellColumn
-from cgff_cli.scene.fields import HUGE, LEAST_SIZE, found
+from cgff_cli.scene.fields import HUGE, LEAST_SIZE, CellColumn, found
 from cgff_cli.scene.findings import Findings, Where, quoted
 from cgff_cli.scene.keys import check_keys
 from cgff_cli.scene.nodes import Nodes

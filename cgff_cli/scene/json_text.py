@@ -8,11 +8,11 @@ import re
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from cgff_cli.scene.brackets import CLOSING, brackets, deeper, innermost
 from cgff_cli.scene.fields import Plain
 from cgff_cli.scene.findings import Mark, Where, quoted
 from cgff_cli.scene.json_places import Doubled, Places, has
 from cgff_cli.scene.located import DEPTH, in_rows, too_deep
+from cgff_cli.scene.yaml_text import CLOSING, brackets, deeper, innermost
 
 _CLOSES = re.compile(r"\s*([]}])")
 

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cgff_cli.scene import fields
-from cgff_cli.scene.columns import CellColumn
-from cgff_cli.scene.fields import HUGE, found
+from cgff_cli.scene.fields import HUGE, CellColumn, found
 from cgff_cli.scene.findings import Findings, Where, first_few, quoted
 from cgff_cli.scene.keys import lost
 from cgff_cli.values import Rule

@@ -1,18 +1,17 @@
 """Plain values -> Scene: what a scene may say, block by block."""
 
 import os.path
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from functools import partial
+from itertools import chain
 from typing import Any, TypeVar
 
-from cgff_cli.hints import meant_or_all
+from cgff_cli.hints import meant_or_all, nearest
 from cgff_cli.options import OPTIONS
 from cgff_cli.scene import elements, fields, nodes, physics
-from cgff_cli.scene.columns import CellColumn
-from cgff_cli.scene.fields import found, is_absent
+from cgff_cli.scene.fields import CellColumn, found, is_absent
 from cgff_cli.scene.findings import Findings, Where, quoted
-from cgff_cli.scene.indents import well_indented
-from cgff_cli.scene.keys import check_keys, lost
+from cgff_cli.scene.keys import Holed, check_keys, lost
 from cgff_cli.scene.nodes import Nodes
 from cgff_cli.scene.scene import AXES, LAWS, Group, Scene
 
@@ -20,6 +19,7 @@ SCENE_KEYS = ("name", "law", "nodes", "elements", "supports", "loads", "solver")
 OPTION_RULES = {name: option.metadata["rule"] for name, option in OPTIONS.items()}
 T = TypeVar("T")
 Reader = Callable[[Any], T | None]
+_BLOCKS = ("nodes", "elements", "supports", "loads")
 _LAWS_EXPLAINED = "paper (force = EA (l - l0)) or hooke (force = EA (l - l0) / l0)"
 _REQUIRED = {
     "law": f"; it must be {_LAWS_EXPLAINED}",
@@ -36,7 +36,7 @@ def read_scene(findings: Findings, value: object, path: str, base: str) -> Scene
     values = fields.mapping(findings, (), value, "with law, nodes and elements")
     if values is None:
         return None
-    values = well_indented(findings, values, SCENE_KEYS)
+    values = _well_indented(findings, values, SCENE_KEYS)
     known = check_keys(findings, (), values, SCENE_KEYS, _REQUIRED)
     law = _law(findings, values)
     of_values: Any = partial(nodes.read_nodes, findings)
@@ -64,6 +64,50 @@ def read_scene(findings: Findings, value: object, path: str, base: str) -> Scene
     said = physics.warnings(names, points.coordinates.shape[1], groups, labels, supports)
     X, files = points.coordinates, tuple(findings.tables)
     return Scene(name, law, names, X, tuple(groups), supports, loads, solver, path, said, files)
+
+
+def _well_indented(findings: Findings, values: dict[str, Any], keys: Collection[str]) -> dict[str, Any]:
+    """Return the top level of a scene without what stands at a wrong level, and record that."""
+    return _without_sunken(findings, _without_spilt(findings, values, keys), keys)
+
+
+def _without_spilt(findings: Findings, values: dict[str, Any], keys: Collection[str]) -> dict[str, Any]:
+    """Take out empty blocks with the unknown keys behind them, which were meant to stand inside."""
+    spilt: dict[str, list[str]] = {}
+    block = ""
+    for key, value in values.items():
+        if key in keys or (block and block not in spilt and nearest(key, keys)):
+            block = key if key in _BLOCKS and is_absent(value) else ""
+        elif block:
+            spilt.setdefault(block, []).append(key)
+    for block, inside in spilt.items():
+        message = f"nothing belongs to {block}: indent what follows, from {quoted(inside[0])}"
+        findings.add_key((block,), message)
+    return _without(values, {*spilt, *chain.from_iterable(spilt.values())}, len(spilt))
+
+
+def _without_sunken(findings: Findings, values: dict[str, Any], keys: Collection[str]) -> dict[str, Any]:
+    """Take out keys of the scene that were indented into the block before them."""
+    for block in _BLOCKS:
+        inside = values.get(block)
+        if isinstance(inside, dict):
+            sunken = [key for key in keys if key not in values and _is_block(inside.get(key))]
+            for key in sunken:
+                findings.add_key((block, key), f"{key} belongs to the scene itself: indent it less")
+            if sunken:
+                values = Holed({**values, block: _without(inside, sunken)}, lost(values) + len(sunken))
+    return values
+
+
+def _is_block(value: object) -> bool:
+    """Return whether a value is a mapping, and not a group of elements that has the name of a block."""
+    return isinstance(value, dict) and not set(value) & set(elements.GROUP_KEYS)
+
+
+def _without(values: dict[str, Any], gone: Collection[str], more_lost: int = 0) -> dict[str, Any]:
+    if not gone:
+        return values
+    return Holed({key: value for key, value in values.items() if key not in gone}, lost(values) + more_lost)
 
 
 def _name(findings: Findings, value: object, path: str) -> str:

@@ -10,7 +10,7 @@ from functools import cached_property
 from itertools import accumulate
 
 from cgff_cli.errors import SceneError
-from cgff_cli.scene.columns import CellColumn
+from cgff_cli.scene.fields import CellColumn
 from cgff_cli.scene.findings import NOWHERE, Findings, Mark, Where, quoted
 from cgff_cli.scene.keys import key_faults
 from cgff_cli.scene.text import read_text, reason
