@@ -121,16 +121,10 @@ def say(text: str) -> None:
         click.echo(text, err=True)
 
 
-def warn(text: str) -> None:
-    """Write one line of words to standard error, unless -q was given."""
-    if not wanted("quiet"):
-        say(text)
-
-
 def warn_of(scene: str, warnings: Iterable[str]) -> None:
     """Write the warnings about a scene to standard error, unless -q was given."""
-    for warning in warnings:
-        warn(f"cgff: {title(scene)}: warning: {warning}")
+    for warning in () if wanted("quiet") else warnings:
+        say(f"cgff: {title(scene)}: warning: {warning}")
 
 
 def title(scene: str) -> str:

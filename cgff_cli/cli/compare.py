@@ -161,4 +161,4 @@ def _text(found: "list[Comparison]", form: str, many: bool) -> Iterable[str]:
     if len(found) == 1:
         layout = json_out.line if many else json_out.pretty
         return layout(found[0].to_dict().items())
-    return json_out.array(one.to_dict() for one in found)
+    return json_out.array(json_out.encode(one.to_dict()) for one in found)

@@ -158,6 +158,6 @@ def _text(result: "Result", kind: str, form: str) -> Iterable[str]:
     from cgff_cli.report import json_out
 
     if kind == "elements":
-        return json_out.element_records(result)
+        return json_out.array(json_out.element_rows(result))
     layout = json_out.line if form == "lines" else json_out.pretty
     return layout(json_out.result_fields(result) if kind == "result" else result.history.items())

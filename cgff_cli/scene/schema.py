@@ -1,10 +1,10 @@
 """Plain values -> Scene: what a scene may say, block by block."""
 
 import os.path
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from functools import partial
 from itertools import chain
-from typing import Any, TypeVar
+from typing import Any
 
 from cgff_cli.hints import meant_or_all, nearest
 from cgff_cli.options import OPTIONS
@@ -17,8 +17,6 @@ from cgff_cli.scene.scene import AXES, LAWS, Group, Scene
 
 SCENE_KEYS = ("name", "law", "nodes", "elements", "supports", "loads", "solver")
 OPTION_RULES = {name: option.metadata["rule"] for name, option in OPTIONS.items()}
-T = TypeVar("T")
-Reader = Callable[[Any], T | None]
 _BLOCKS = ("nodes", "elements", "supports", "loads")
 _LAWS_EXPLAINED = "paper (force = EA (l - l0)) or hooke (force = EA (l - l0) / l0)"
 _REQUIRED = {
@@ -39,11 +37,9 @@ def read_scene(findings: Findings, value: object, path: str, base: str) -> Scene
     values = _well_indented(findings, values, SCENE_KEYS)
     known = check_keys(findings, (), values, SCENE_KEYS, _REQUIRED)
     law = _law(findings, values)
-    of_values: Any = partial(nodes.read_nodes, findings)
-    points = _block(findings, values, "nodes", base, of_values, nodes.nodes_of_table)
-    of_values = partial(elements.read_elements, findings, nodes=points, law=law)
-    of_table: Any = partial(elements.groups_of_table, nodes=points, law=law)
-    groups = _block(findings, values, "elements", base, of_values, of_table)
+    read = partial(_block, findings, values, base)
+    points: Nodes | None = read("nodes", nodes.read_nodes, nodes.nodes_of_table)
+    groups = read("elements", elements.read_elements, elements.groups_of_table, points, law)
     supports = _supports(findings, values.get("supports"), points)
     loads = _loads(findings, values.get("loads"), points)
     solver = _solver(findings, values.get("solver"))
@@ -123,18 +119,17 @@ def _law(findings: Findings, values: dict[str, Any]) -> str | None:
     return fields.one_of(findings, ("law",), values["law"], LAWS, _LAWS_EXPLAINED)
 
 
-def _block(
-    findings: Findings, values: dict[str, Any], key: str, base: str, of_values: Reader[T], of_table: Reader[T]
-) -> T | None:
-    """Return what the mapping or the table of a block is read as."""
+def _block(findings: Findings, values: dict[str, Any], base: str, key: str, *readers: Any) -> Any:
+    """Return what a block is read as; readers: of a mapping, of a table, then what both are told besides."""
+    of_values, of_table, *known = readers
     if key not in values:
         return None
     if not is_table(values[key]):
-        return of_values(values[key])
+        return of_values(findings, values[key], *known)
     from cgff_cli.scene.tables import open_table
 
     table = open_table(findings, key, values[key], base)
-    return of_table(table) if table else None
+    return of_table(table, *known) if table else None
 
 
 def is_table(value: object) -> bool:
