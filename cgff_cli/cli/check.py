@@ -1,7 +1,7 @@
 """`cgff check`: read and validate scenes, solve nothing."""
 
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sized
 from itertools import zip_longest
 from typing import TYPE_CHECKING, Any
 
@@ -63,27 +63,21 @@ def _checked(path: str) -> tuple[dict[str, Any], ExitCode]:
     except Exception as error:
         problems = error.problems if isinstance(error, SceneError) else ()
         code = report_error(error)
-        return _record(path, None, [_placed(problem) for problem in problems]), code
+        return _record(path, None, problems), code
     warn_of(path, scene.warnings)
-    return _record(path, scene, []), ExitCode.OK
+    return _record(path, scene, ()), ExitCode.OK
 
 
-def _placed(problem: Problem) -> dict[str, Any]:
-    """Return a problem by field; line and column are null where it has no place."""
-    return {name: value or None for name, value in problem._asdict().items()}
-
-
-def _record(path: str, scene: "Scene | None", problems: list[dict[str, Any]]) -> dict[str, Any]:
-    """Return what --format json prints; what a scene holds is null for one that cannot be used."""
-    held = (
-        (scene.node_names, range(scene.element_count), scene.groups, scene.supports, scene.loads)
-        if scene
-        else ()
-    )
+def _record(path: str, scene: "Scene | None", problems: Iterable[Problem]) -> dict[str, Any]:
+    """Return what --format json prints: null where a problem has no place, or a scene cannot be used."""
+    held: tuple[Sized, ...] = ()
+    if scene is not None:
+        elements = range(scene.element_count)
+        held = (scene.node_names, elements, scene.groups, scene.supports, scene.loads)
     return {
         "path": title(path),
         "ok": scene is not None,
-        "problems": problems,
+        "problems": [{name: value or None for name, value in own._asdict().items()} for own in problems],
         "warnings": list(scene.warnings) if scene else [],
         **{name: getattr(scene, name, None) for name in ("name", "law", "dimension")},
         **dict(zip_longest(_COUNTED, map(len, held))),

@@ -69,11 +69,12 @@ def command(ctx: click.Context, scenes: tuple[str, ...], **values: Any) -> None:
     at the scene's own start, are judged by the scene's forces and stop at the same tolerance. A method that
     fails is a row that says how.
     """
+    from cgff_cli.scene.read import PAPER, shipped
     from cgff_cli.study.machine import done
     from cgff_cli.study.scenes import SceneJob
 
     form, path = form_of_data(values["output_format"], values["output"]), values["output"]
-    given = scenes or _paper()
+    given = scenes or [shipped(name) for name in PAPER]
     targets = _prepare(given, path, values["plot"])
     options = comparing_options(values) | {"methods": wanted_methods(values, "fdm")}
     found: list[Comparison] = []
@@ -97,12 +98,6 @@ def _finish(found: "list[Comparison]", form: str, path: str | None, plot: str | 
         from cgff_cli.report.plots import draw
 
         draw(found, plot)
-
-
-def _paper() -> list[str]:
-    from cgff_cli.scene.read import PAPER, shipped
-
-    return [shipped(name) for name in PAPER]
 
 
 def _compared(options: dict[str, Any], targets: Sequence[Named], job: "SceneJob") -> "Comparison":

@@ -1,6 +1,7 @@
 """All methods that `compare` knows, by their names in its output; here stand those of CGFF itself."""
 
 from collections.abc import Iterator
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -8,7 +9,7 @@ import numpy as np
 from cgff_cli.rivals.dynamic_relaxation import dynamic_relaxation
 from cgff_cli.rivals.fdm import fdm
 from cgff_cli.rivals.schek import schek
-from cgff_cli.rivals.scipy_solvers import fsolve, fsolve_fd, lbfgs, lm
+from cgff_cli.rivals.scipy_solvers import fsolve, lbfgs, lm
 from cgff_cli.rivals.task import End, Rival, Task, Trace
 from cgff_cli.solvers.cgff import run_of
 from cgff_cli.solvers.descent import iterates
@@ -30,15 +31,10 @@ class Entry(NamedTuple):
 
 
 def cgff(task: Task, trace: Trace, objective: str = "energy") -> End:
-    """Run CGFF on the energy."""
+    """Run CGFF on the energy, or on eq. (10), half the squared residual."""
     run, _ = run_of(task.structure, task.options.merged({"objective": objective}))
     X = _traced(trace, iterates(run, onward))
     return End(X, str(run.verdict))
-
-
-def cgff_residual(task: Task, trace: Trace) -> End:
-    """Run CGFF on eq. (10), half the squared residual."""
-    return cgff(task, trace, "residual")
 
 
 def table1(task: Task, trace: Trace) -> End:
@@ -60,12 +56,12 @@ def _traced(trace: Trace, path: Iterator[Iterate], origin: np.ndarray | float = 
 
 REGISTRY = {
     "cgff": Entry(cgff, judges_itself=True),
-    "cgff-residual": Entry(cgff_residual, judges_itself=True),
+    "cgff-residual": Entry(partial(cgff, objective="residual"), judges_itself=True),
     "table1": Entry(table1, judges_itself=True),
     "fdm": Entry(fdm, judges_itself=True, is_affine=True),
     "schek": Entry(schek, judges_itself=True),
     "fsolve": Entry(fsolve),
-    "fsolve-fd": Entry(fsolve_fd),
+    "fsolve-fd": Entry(partial(fsolve, with_jacobian=False)),
     "lm": Entry(lm),
     "lbfgs": Entry(lbfgs),
     "dr": Entry(dynamic_relaxation),

@@ -25,7 +25,10 @@ ENDLESS = 1_000_000
 
 
 def fsolve(task: Task, trace: Trace, with_jacobian: bool = True) -> End:
-    """Run scipy.optimize.fsolve; an iteration is an evaluation of the residual, one trial step each."""
+    """Run scipy.optimize.fsolve, without a Jacobian by finite differences.
+
+    An iteration is an evaluation of the residual: a trial step, or a difference.
+    """
     from scipy.optimize import fsolve as minpack
 
     system = System(task, trace)
@@ -36,11 +39,6 @@ def fsolve(task: Task, trace: Trace, with_jacobian: bool = True) -> End:
         system.residual, system.start, fprime=jacobian, xtol=TIGHT, maxfev=ENDLESS, full_output=True
     )
     return system.ended(x, message)
-
-
-def fsolve_fd(task: Task, trace: Trace) -> End:
-    """Run it without a Jacobian, by finite differences; their evaluations count as iterations too."""
-    return fsolve(task, trace, with_jacobian=False)
 
 
 def lm(task: Task, trace: Trace) -> End:

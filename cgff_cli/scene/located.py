@@ -102,7 +102,7 @@ class Document:
         if event.tag is not None:
             self._tag(event, where)
         if kind == "ScalarEvent":
-            node: tuple[Any, Tree] = (_scalar(event), _at(event))
+            node: tuple[Any, Tree] = (event.value if event.style else Plain(event.value), _at(event))
             size = 1
         else:
             if depth > DEPTH:
@@ -202,10 +202,6 @@ def _at(event: Any) -> Mark:
 def _brought(value: Any) -> int:
     """Return how many keys a merge key would have brought."""
     return sum(map(len, value if isinstance(value, list) else [value]))
-
-
-def _scalar(event: Any) -> str:
-    return event.value if event.style else Plain(event.value)
 
 
 def _key_fault(key: object, value: object, branch: Branch) -> str | None:

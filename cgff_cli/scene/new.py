@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from importlib import import_module
+from shlex import quote
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -97,7 +98,7 @@ def _parameters_of(function: Callable[..., Any]) -> dict[str, Parameter]:
 
 
 def _header(name: str, target: Equilibrium, flags: list[tuple[Parameter, Any]], exact: bool) -> str:
-    said = "".join(f" {p.flag} {_word(value)}" for p, value in flags if value != p.default)
+    said = "".join(f" {p.flag} {quote(str(value))}" for p, value in flags if value != p.default)
     lines = [f"{target.title}.", f"Made by: cgff new {name}{said}", ""]
     if not exact:
         return "\n".join([*lines, "Rest lengths or loads are off the closed form: no answer is on paper."])
@@ -117,9 +118,3 @@ def _answer_table(target: Equilibrium) -> list[str]:
 def _span(values: np.ndarray) -> str:
     low, high = (f"{value:.10g}" for value in (values.min(), values.max()))
     return low if low == high else f"{low} .. {high}"
-
-
-def _word(value: object) -> str:
-    from shlex import quote
-
-    return quote(str(value))

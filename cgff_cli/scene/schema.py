@@ -34,9 +34,11 @@ def read_scene(findings: Findings, value: object, path: str, base: str) -> Scene
     values = fields.mapping(findings, (), value, "with law, nodes and elements")
     if values is None:
         return None
-    values = _well_indented(findings, values, SCENE_KEYS)
+    values = _without_sunken(findings, _without_spilt(findings, values, SCENE_KEYS), SCENE_KEYS)
     known = check_keys(findings, (), values, SCENE_KEYS, _REQUIRED)
-    law = _law(findings, values)
+    law = None
+    if "law" in values:
+        law = fields.one_of(findings, ("law",), values["law"], LAWS, _LAWS_EXPLAINED)
     read = partial(_block, findings, values, base)
     points: Nodes | None = read("nodes", nodes.read_nodes, nodes.nodes_of_table)
     groups = read("elements", elements.read_elements, elements.groups_of_table, points, law)
@@ -60,11 +62,6 @@ def read_scene(findings: Findings, value: object, path: str, base: str) -> Scene
     said = physics.warnings(names, points.coordinates.shape[1], groups, labels, supports)
     X, files = points.coordinates, tuple(findings.tables)
     return Scene(name, law, names, X, tuple(groups), supports, loads, solver, path, said, files)
-
-
-def _well_indented(findings: Findings, values: dict[str, Any], keys: Collection[str]) -> dict[str, Any]:
-    """Return the top level of a scene without what stands at a wrong level, and record that."""
-    return _without_sunken(findings, _without_spilt(findings, values, keys), keys)
 
 
 def _without_spilt(findings: Findings, values: dict[str, Any], keys: Collection[str]) -> dict[str, Any]:
@@ -111,12 +108,6 @@ def _name(findings: Findings, value: object, path: str) -> str:
         return os.path.splitext(os.path.basename(path))[0].strip("<>") or "scene"
     text = value.rstrip("\n") if type(value) is str else value
     return CellColumn(findings, [text], lambda _: ("name",)).names()[0] or ""
-
-
-def _law(findings: Findings, values: dict[str, Any]) -> str | None:
-    if "law" not in values:
-        return None
-    return fields.one_of(findings, ("law",), values["law"], LAWS, _LAWS_EXPLAINED)
 
 
 def _block(findings: Findings, values: dict[str, Any], base: str, key: str, *readers: Any) -> Any:

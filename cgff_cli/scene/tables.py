@@ -38,7 +38,7 @@ class Table:
         self._text = text
         self._begins = array("l")  # the line of every row, the header's first
         self._faults: list[tuple[Mark, str]] = []
-        self.findings = Findings(self._faults, self._label)
+        self.findings = Findings(self._faults, lambda where: str(where[1]) if len(where) > 1 else "")
         self.header: list[str] = []
         self.cells: list[str] = []
         self.ragged: dict[int, int] = {}
@@ -63,9 +63,6 @@ class Table:
                 begin = reader.line_num + 1
         except csv.Error as error:
             self._faults.append(((begin, 1), f"not valid CSV: {error}"))
-
-    def _label(self, where: Where) -> str:
-        return str(where[1]) if len(where) > 1 else ""
 
     @property
     def count(self) -> int:
