@@ -18,7 +18,7 @@ from cgff_cli.cli.common import (
     worst,
 )
 from cgff_cli.cli.comparing import comparing_flags, comparing_options, wanted_methods
-from cgff_cli.cli.targets import Named, check_targets, files_among, form_of_data
+from cgff_cli.cli.targets import Named, check_targets, form_of_data
 from cgff_cli.report.files import STDOUT, is_stream, write_output
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ class Bench:
         methods, self.options = wanted_methods(values, "all"), comparing_options(values)
         self.jobs = jobs_of(cases_of(suites or [standard()]), methods, self.options)
         self.options |= {"methods": methods}
-        check_targets(files_among([(self.path, "the rows")]), _inputs(suites, self.jobs))
+        check_targets([(self.path, "the rows")], _inputs(suites, self.jobs))
         self.asked = _selected(self.jobs, values["only"])
         self.rows: dict[str, list[Row]] = {}
         if self.form == "json" and self.is_filed:

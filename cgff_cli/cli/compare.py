@@ -26,7 +26,6 @@ from cgff_cli.cli.options import once_only, output_flag
 from cgff_cli.cli.targets import (
     Named,
     check_targets,
-    files_among,
     files_of,
     form_of_data,
     refuse_inputs,
@@ -135,9 +134,7 @@ def _prepare(scenes: Sequence[str], path: str | None, plot: str | None) -> list[
         if os.path.splitext(plot)[1].lower() not in PICTURES:
             raise click.UsageError(f"--plot {plot}: the name must end in .png or .svg")
         check_matplotlib()
-    targets = files_among([(path, "the comparison"), (plot, "the picture")])
-    check_targets(targets, files_of(scenes))
-    return targets
+    return check_targets([(path, "the comparison"), (plot, "the picture")], files_of(scenes))
 
 
 def _text(found: "list[Comparison]", form: str, many: bool) -> Iterable[str]:

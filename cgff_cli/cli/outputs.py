@@ -10,7 +10,6 @@ import click
 from cgff_cli.cli.common import drawn, title, wanted
 from cgff_cli.cli.targets import (
     check_targets,
-    files_among,
     files_of,
     form_of_data,
     form_of_file,
@@ -53,9 +52,9 @@ class Outputs:
         self.shown = _shown(flags, many=len(scenes) > 1)
         self.rows: list[dict[str, Any]] = []
         own = [(file.path, f"the {file.kind} of {scene}") for scene in scenes for file in self.files[scene]]
-        self.targets = files_among([*own, (self.summary, "the summary")])
-        listed = files_among([(flags["files_from"], "the list of scenes")])
-        check_targets(self.targets, (*listed, *files_of(scenes)), flags["out_dir"])
+        listed = [(flags["files_from"], "the list of scenes")] if flags["files_from"] else []
+        inputs = (*listed, *files_of(scenes))
+        self.targets = check_targets([*own, (self.summary, "the summary")], inputs, flags["out_dir"])
 
     @property
     def on_page(self) -> bool:

@@ -44,19 +44,12 @@ class Family(NamedTuple):
     examples: tuple[str, ...]
 
 
-class Made(NamedTuple):
-    """A scene and what its file says about it: what it is, what made it, the answer if known."""
-
-    scene: Scene
-    header: str
-
-
 def new(family: str, **parameters: object) -> Scene:
     """Return a scene of a family, such as `new("prism", sides=5, noise=0.1, seed=1)`.
 
     Parameters are those of the family and of `realised`; raises OptionError for a bad name or value.
     """
-    return make(family, parameters).scene
+    return make(family, parameters)[0]
 
 
 def find(name: str) -> Family:
@@ -68,7 +61,7 @@ def find(name: str) -> Family:
     return Family(name, module.equilibrium, own, _parameters_of(realised), module.EXAMPLES)
 
 
-def make(name: str, given: Mapping[str, object]) -> Made:
+def make(name: str, given: Mapping[str, object]) -> tuple[Scene, str]:
     """Return the scene of a family with some parameters given, and its header."""
     family = find(name)
     known = family.own | family.common
@@ -81,7 +74,7 @@ def make(name: str, given: Mapping[str, object]) -> Made:
     scene = realised(target, **common)
     flags = [(known[key], values[key]) for key in known if key in values]
     exact = not target.added_loads and not values.get("jitter")
-    return Made(scene, _header(name, target, flags, exact))
+    return scene, _header(name, target, flags, exact)
 
 
 def _parameters_of(function: Callable[..., Any]) -> dict[str, Parameter]:
