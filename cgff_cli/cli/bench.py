@@ -105,7 +105,7 @@ class Bench:
             show = None if line is None else lambda *run: line.show(f"{place}, {run[0]}, run {run[1]}")
             return measured(job, show)
 
-    def took(self, ended: "Done[Job, list[Row]]") -> ExitCode:
+    def took(self, ended: "Done") -> ExitCode:
         """Take what became of a job: write what there is so far, and tell how it ended."""
         name = ended.job.case.id
         if ended.error is not None:

@@ -161,7 +161,7 @@ def report_error(error: Exception) -> ExitCode:
     return ExitCode.ERROR
 
 
-def failed(ended: "Done[Any, Any]", name: str = "") -> ExitCode | None:
+def failed(ended: "Done", name: str = "") -> ExitCode | None:
     """Say why a job has no result and return the exit code; None where it has one.
 
     Raises what ends the whole command: a reader that has gone, output over a file that is read.

@@ -111,7 +111,7 @@ def _compared(options: dict[str, Any], targets: Sequence[Named], job: "SceneJob"
         return compare(scene, observer=show, **options)
 
 
-def _told(ended: "Done[SceneJob, Comparison]") -> ExitCode:
+def _told(ended: "Done") -> ExitCode:
     """Say on standard error what a reader of the exit code alone would miss, and return that code."""
     name = title(ended.job.path)
     code = failed(ended, name)

@@ -80,7 +80,7 @@ def earlier(
     return jobs, journal, {job.digest: Kept(journal[job.digest]) for job in left}
 
 
-def watched(found: "Iterator[Done[SceneJob, Kept]]", count: int, processes: int) -> Iterator[Any]:
+def watched(found: "Iterator[Done]", count: int, processes: int) -> Iterator[Any]:
     """Yield what became of scenes; where others work, show on a terminal how far they are meanwhile."""
     if processes == 1:
         yield from found
@@ -93,7 +93,7 @@ def watched(found: "Iterator[Done[SceneJob, Kept]]", count: int, processes: int)
         yield ended
 
 
-def took(ended: "Done[SceneJob, Kept]", outputs: Outputs, journal: "MutableMapping[str, Row]") -> ExitCode:
+def took(ended: "Done", outputs: Outputs, journal: "MutableMapping[str, Row]") -> ExitCode:
     """Take what became of a scene; what went wrong with it is told and stops no other."""
     scene = ended.job.path
     code = failed(ended)
