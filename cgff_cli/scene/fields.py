@@ -154,14 +154,9 @@ class CellColumn:
         self.at_key = at_key
         self.cells = cells
 
-    def add(self, row: int, message: str, alike: object = None) -> None:
-        """Record a problem of a value."""
-        add = self.findings.add_key if self.at_key else self.findings.add
-        add(self.where(row), message, alike=alike)
-
-    def add_bare(self, row: int, message: str, alike: object = None) -> None:
-        """Record a problem of a value; that of a cell without the name of its column."""
-        add = self.findings.add_key if self.at_key or self.cells else self.findings.add
+    def add(self, row: int, message: str, alike: object = None, bare: bool = False) -> None:
+        """Record a problem of a value; bare: that of a cell without the name of its column."""
+        add = self.findings.add_key if self.at_key or (self.cells and bare) else self.findings.add
         add(self.where(row), message, alike=alike)
 
     def numbers(self, rule: Rule) -> np.ndarray | None:

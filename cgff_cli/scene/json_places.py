@@ -4,7 +4,6 @@ import re
 from array import array
 from collections.abc import Iterator
 from itertools import islice
-from json import JSONDecoder
 from typing import Any
 
 from cgff_cli.scene.fields import Plain
@@ -15,7 +14,7 @@ _QUOTED = r'"(?:[^"\\]++|\\.)*+"'
 _FLAT = rf'\[(?:[^][{{}}"]++|{_QUOTED})*+\]'
 _MEMBER = re.compile(rf'[\s,]*+(?:({_QUOTED})\s*+:\s*+)?+({_FLAT}|{_QUOTED}|[^][{{}}",\s]++|[{{\[])')
 _WORD = re.compile(r'[^][{}",\s]*')
-_SKIPPING = JSONDecoder(parse_int=str)  # whole numbers of any length
+_TO_BRACKET = re.compile(rf'(?:[^][{{}}"]++|{_QUOTED}|{_FLAT})*+([][{{}}])')
 _FEW = 50  # members of a list that are found anew each time rather than kept: there may be a million lists
 
 
@@ -97,7 +96,17 @@ class MembersInText:
             yield value if member.start(1) < 0 else member.start(1)
             yield value
             if at == value + 1 and self._text[value] in "[{":
-                _, at = _SKIPPING.raw_decode(self._text, value)
+                at = _end(self._text, value)
+
+
+def _end(text: str, at: int) -> int:
+    """Return where the mapping or list ends that begins at an offset."""
+    depth = 0
+    for bracket in _TO_BRACKET.finditer(text, at):
+        depth += 1 if bracket.group(1) in "[{" else -1
+        if depth == 0:
+            return bracket.end()
+    return len(text)
 
 
 def has(value: Any, step: Any) -> bool:

@@ -74,12 +74,12 @@ def warnings(
 ) -> tuple[str, ...]:
     """Return what is legal in a scene but seldom meant, one sentence each."""
     pairs = all_pairs(groups)
-    said = [
-        _parallel(names, groups, pairs),
-        _parts(names, pairs, labels),
-        _loose(names, pairs),
-        _held(names, dimension, supports),
-    ]
+    said = [_parallel(names, groups, pairs), _parts(names, pairs, labels)]
+    loose = [names[row] for row in isolated_nodes(len(names), pairs)]
+    if loose:
+        said.append(f"no element joins {first_few(loose)}")
+    if sum(map(len, supports.values())) == len(names) * dimension:
+        said.append("every direction of every node is held, so nothing can move")
     return tuple(sentence for sentence in said if sentence)
 
 
@@ -110,17 +110,3 @@ def _parts(names: tuple[str, ...], pairs: np.ndarray, labels: np.ndarray) -> str
     smallest = parts[np.argsort(sizes[parts], kind="stable")][: min(_SHOWN, len(parts) - 1)]
     shown = "; ".join(first_few([names[row] for row in np.flatnonzero(labels == part)]) for part in smallest)
     return f"no element joins the {len(parts)} parts of this structure; the smallest: {shown}"
-
-
-def _loose(names: tuple[str, ...], pairs: np.ndarray) -> str:
-    rows = isolated_nodes(len(names), pairs)
-    if len(rows) == 0:
-        return ""
-    return f"no element joins {first_few([names[row] for row in rows])}"
-
-
-def _held(names: tuple[str, ...], dimension: int, supports: dict[int, str]) -> str:
-    held = sum(len(axes) for axes in supports.values())
-    return (
-        "every direction of every node is held, so nothing can move" if held == len(names) * dimension else ""
-    )

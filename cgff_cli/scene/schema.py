@@ -187,4 +187,4 @@ def _check_use(
     for row in physics.isolated_nodes(len(names), physics.all_pairs(groups)).tolist():
         if row not in supports and row not in loads:
             message = f"no element joins node {quoted(names[row])}, and no support or load uses it"
-            points.names.add_bare(row, message)
+            points.names.add(row, message, bare=True)
