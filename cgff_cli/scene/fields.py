@@ -95,6 +95,11 @@ def mapping(findings: Findings, where: Where, value: object, content: str) -> di
     return None
 
 
+def optional(findings: Findings, where: Where, value: object, content: str) -> dict[str, Any] | None:
+    """Return a mapping that may be left out."""
+    return {} if is_absent(value) else mapping(findings, where, value, content)
+
+
 def one_of(
     findings: Findings, where: Where, value: object, allowed: tuple[str, ...], explained: str
 ) -> str | None:

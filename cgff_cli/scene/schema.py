@@ -10,7 +10,7 @@ from cgff_cli.hints import meant_or_all, nearest
 from cgff_cli.options import OPTIONS
 from cgff_cli.scene import elements, fields, nodes, physics
 from cgff_cli.scene.fields import CellColumn, found, is_absent
-from cgff_cli.scene.findings import Findings, Where, quoted
+from cgff_cli.scene.findings import Findings, quoted
 from cgff_cli.scene.keys import Holed, check_keys, lost
 from cgff_cli.scene.nodes import Nodes
 from cgff_cli.scene.scene import AXES, LAWS, Group, Scene
@@ -128,11 +128,6 @@ def is_table(value: object) -> bool:
     return isinstance(value, str) and os.path.splitext(value)[1].lower() == ".csv"
 
 
-def _optional(findings: Findings, where: Where, value: object, content: str) -> dict[str, Any] | None:
-    """Return a mapping that may be left out."""
-    return {} if is_absent(value) else fields.mapping(findings, where, value, content)
-
-
 def _rows(findings: Findings, block: str, values: dict[str, Any], points: Nodes | None) -> list[int] | None:
     """Return the rows of the nodes that are the keys of a block; None where one is no node, or was lost."""
     keys = list(values)
@@ -144,7 +139,7 @@ def _rows(findings: Findings, block: str, values: dict[str, Any], points: Nodes 
 def _supports(findings: Findings, value: object, points: Nodes | None) -> dict[int, str] | None:
     """Return node row -> axes held, in the order x, y, z; None where any is wrong."""
     axes = AXES[: points.dimension] if points and points.dimension else AXES
-    values = _optional(findings, ("supports",), value, "of node names to axes such as xyz or z")
+    values = fields.optional(findings, ("supports",), value, "of node names to axes such as xyz or z")
     if values is None:
         return None
     rows = _rows(findings, "supports", values, points)
@@ -162,7 +157,7 @@ def _supports(findings: Findings, value: object, points: Nodes | None) -> dict[i
 
 def _loads(findings: Findings, value: object, points: Nodes | None) -> dict[int, tuple[float, ...]] | None:
     """Return node row -> force; None where any is wrong."""
-    values = _optional(findings, ("loads",), value, "of node names to forces")
+    values = fields.optional(findings, ("loads",), value, "of node names to forces")
     if not values:
         return None if values is None or lost(values) else {}
     forces = nodes.vectors(findings, ("loads",), values, points.dimension if points else None)
@@ -174,7 +169,7 @@ def _loads(findings: Findings, value: object, points: Nodes | None) -> dict[int,
 
 def _solver(findings: Findings, value: object) -> dict[str, object]:
     """Return the solve options a scene asks for, each checked like a command-line flag."""
-    values = _optional(findings, ("solver",), value, "of solve options to values") or {}
+    values = fields.optional(findings, ("solver",), value, "of solve options to values") or {}
     for key in [key for key in values if key not in OPTIONS]:
         findings.add_key(("solver", key), f"unknown solve option {key!r}{meant_or_all(key, OPTIONS)}")
     return fields.ruled(findings, ("solver",), values, OPTION_RULES)

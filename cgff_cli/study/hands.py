@@ -7,7 +7,7 @@ like `_pool`, and an argument of `done`.
 import os
 import signal
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -29,13 +29,8 @@ class Hands(NamedTuple):
 
 def hands(processes: int) -> AbstractContextManager[Hands]:
     """Return who does the jobs, in a `with` block that ends with the last of them."""
-    return _here() if processes == 1 else _pool(processes)
-
-
-@contextmanager
-def _here() -> Iterator[Hands]:
-    """Give this process, where a job begins when it is waited for."""
-    yield Hands(partial, 1)
+    here = Hands(partial, 1)  # in this process a job begins when it is waited for
+    return nullcontext(here) if processes == 1 else _pool(processes)
 
 
 @contextmanager

@@ -7,7 +7,7 @@ from typing import Any
 
 from cgff_cli.errors import Problem, SceneError
 from cgff_cli.options import OPTIONS
-from cgff_cli.scene.fields import found, is_absent, mapping, ruled
+from cgff_cli.scene.fields import found, mapping, optional, ruled
 from cgff_cli.scene.findings import NOWHERE, Findings, Mark, Where
 from cgff_cli.scene.keys import check_keys
 from cgff_cli.scene.located import Document, FormError
@@ -112,7 +112,10 @@ def _case(findings: Findings, path: str, document: Document, i: int, entry: obje
     if name is not None and (not isinstance(name, str) or not name or not name.isprintable()):
         findings.add((i, "id"), f"must be a word, got {found(name)}")
         return None
-    scene, given, expect = (_block(findings, (i, key), values) for key in ("scene", "options", "expect"))
+    scene, given, expect = (
+        optional(findings, (i, key), values.get(key), "of names to values") or {}
+        for key in ("scene", "options", "expect")
+    )
     _check_scene(findings, (i, "scene"), scene)
     check_keys(findings, (i, "options"), given, (*OPTIONS, *RUN_OPTIONS))
     check_keys(findings, (i, "expect"), expect, EXPECT_KEYS)
@@ -127,11 +130,6 @@ def _case(findings: Findings, path: str, document: Document, i: int, entry: obje
     suite = os.path.splitext(os.path.basename(path))[0]
     notes = {key: meant(values[key]) for key in NOTES if key in values}
     return Case(str(name), suite, scene, path, place, options, meant(expect) | checked, notes)
-
-
-def _block(findings: Findings, where: Where, values: Mapping[str, Any]) -> dict[str, Any]:
-    value = values.get(str(where[-1]))
-    return {} if is_absent(value) else mapping(findings, where, value, "of names to values") or {}
 
 
 def _check_scene(findings: Findings, where: Where, recipe: Mapping[str, Any]) -> None:
