@@ -14,13 +14,13 @@ MOST_LINES_OF_A_FUNCTION = 50
 BUDGET = {
     "top": 1034,
     "analysis": 610,
-    "cli": 1732,
+    "cli": 1728,
     "mechanics": 930,
     "report": 1193,
     "rivals": 694,
-    "scene": 3273,
+    "scene": 3264,
     "solvers": 2400,
-    "study": 1353,
+    "study": 1346,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""
 
