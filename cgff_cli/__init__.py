@@ -21,7 +21,7 @@ _HOME = {
     "solve": "cgff_cli.pipeline",
     "solve_many": "cgff_cli.many",
     "compare": "cgff_cli.study.compare",
-    "shipped": "cgff_cli.scene.shipped",
+    "shipped": "cgff_cli.scene.read",
     "Scene": "cgff_cli.scene.scene",
     "Group": "cgff_cli.scene.scene",
     "Result": "cgff_cli.result",

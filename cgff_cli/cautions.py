@@ -95,7 +95,7 @@ def _strained(found: Found) -> str:
         return ""
     worst_first = np.argsort(-np.abs(found.strains[rows]).round(9), kind="stable")
     rows = rows[worst_first]  # equal but for rounding: in scene order
-    owners, worst = np.unique(_owners(found.scene)[rows], return_index=True)
+    owners, worst = np.unique(found.scene.owners[rows], return_index=True)
     worst = rows[np.sort(worst)]
     named = [_strain_of(found, row) for row in worst[:_NAMED].tolist()]
     return (
@@ -152,14 +152,9 @@ def _start_lengths(structure: Structure) -> np.ndarray:
     return _apart(structure.coordinates, np.stack((structure.start, structure.end), axis=1))
 
 
-def _owners(scene: Scene) -> np.ndarray:
-    """Return (b,) the number of each element's group."""
-    return np.repeat(np.arange(len(scene.groups)), [len(group.EA) for group in scene.groups])
-
-
 def _groups(found: Found, rows: np.ndarray) -> str:
     """Return the groups of some elements by name."""
-    owners = np.unique(_owners(found.scene)[rows]).tolist()
+    owners = np.unique(found.scene.owners[rows]).tolist()
     names = first_few([found.scene.groups[owner].name for owner in owners])
     return f"group{'s' if len(owners) > 1 else ''} {names}"
 

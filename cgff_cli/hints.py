@@ -1,4 +1,4 @@
-"""Did you mean: the names most like one that does not exist."""
+"""Words for people: the names most like one that does not exist, lists, counts."""
 
 from collections.abc import Collection, Iterable, Sequence
 
@@ -45,3 +45,8 @@ def either(words: Sequence[str], joint: str = "or") -> str:
     """Return words as a list for people: a, b or c."""
     *others, last = words
     return f"{', '.join(others)} {joint} {last}" if others else last
+
+
+def count(number: int, singular: str, plural: str = "") -> str:
+    """Return "no cables", "1 cable" or "2 cables"."""
+    return f"{number or 'no'} {singular if number == 1 else plural or singular + 's'}"

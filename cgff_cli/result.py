@@ -32,11 +32,7 @@ class Result:
     found: dict[str, Any] | None = None
     analysis_interrupted: bool = False
     schema: str = field(default=SCHEMA, init=False)
-
-    @property
-    def tool(self) -> dict[str, str]:
-        """Name and version of what made this."""
-        return dict(TOOL)
+    tool: dict[str, str] = field(default_factory=TOOL.copy, init=False)
 
     @property
     def scene(self) -> dict[str, Any]:
@@ -188,21 +184,27 @@ class Result:
     @property
     def elements(self) -> list[dict[str, Any]]:
         """One record per element, in the scene's element order; tension > 0."""
-        names, s, groups = self.source.node_names, self.structure, self.source.groups
-        columns = {
-            "group": [group.name for group in groups for _ in group.EA],
-            "start": [names[row] for row in s.start.tolist()],
-            "end": [names[row] for row in s.end.tolist()],
-            "kind": [group.kind for group in groups for _ in group.EA],
-            "EA": [EA for group in groups for EA in group.EA.tolist()],
-            "rest_length": s.rest_lengths.tolist(),
-            "length": self.lengths.tolist(),
-            "force": self.forces.tolist(),
-            "force_density": self.force_densities.tolist(),
-            "slack": self.slack.tolist(),
-            "strain": [strain if isfinite(strain) else None for strain in self.strains.tolist()],
+        columns = self.element_columns(slice(None))
+        strains = (strain if isfinite(strain) else None for strain in columns["strain"])
+        return _records({**columns, "strain": list(strains)})
+
+    def element_columns(self, rows: slice) -> dict[str, list[Any]]:
+        """Return the columns of some elements' records, by name; a strain may be NaN."""
+        s, source = self.structure, self.source
+        groups = [source.groups[owner] for owner in source.owners[rows].tolist()]
+        return {
+            "group": [group.name for group in groups],
+            "start": [source.node_names[row] for row in s.start[rows].tolist()],
+            "end": [source.node_names[row] for row in s.end[rows].tolist()],
+            "kind": [group.kind for group in groups],
+            "EA": source.stiffness[rows].tolist(),
+            "rest_length": s.rest_lengths[rows].tolist(),
+            "length": self.lengths[rows].tolist(),
+            "force": self.forces[rows].tolist(),
+            "force_density": self.force_densities[rows].tolist(),
+            "slack": self.slack[rows].tolist(),
+            "strain": self.strains[rows].tolist(),
         }
-        return _records(columns)
 
     @property
     def reactions(self) -> dict[str, list[float]]:
@@ -225,26 +227,8 @@ def _records(columns: dict[str, list[Any]]) -> list[dict[str, Any]]:
 
 
 FIELDS = (
-    "schema",
-    "tool",
-    "scene",
-    "options",
-    "verdict",
-    "converged",
-    "message",
-    "warnings",
-    "residual",
-    "energy",
-    "max_strain",
-    "max_displacement",
-    "counts",
-    "timing",
-    "analysis",
-    "supports",
-    "loads",
-    "groups",
-    "nodes",
-    "elements",
-    "reactions",
-    "history",
+    *("schema", "tool", "scene", "options", "verdict", "converged", "message", "warnings"),
+    *("residual", "energy", "max_strain", "max_displacement", "counts", "timing", "analysis"),
+    *("supports", "loads", "groups", "nodes", "elements", "reactions", "history"),
 )
+"""Fields of the JSON result, in the order they are written."""

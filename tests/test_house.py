@@ -12,15 +12,15 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 1068,
-    "analysis": 610,
-    "cli": 1780,
+    "top": 1052,
+    "analysis": 602,
+    "cli": 1728,
     "mechanics": 922,
-    "report": 1330,
-    "rivals": 720,
-    "scene": 3410,
+    "report": 1193,
+    "rivals": 694,
+    "scene": 3264,
     "solvers": 2417,
-    "study": 1430,
+    "study": 1351,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import cgff_cli
-from cgff_cli.scene.shipped import PAPER
+from cgff_cli.scene.read import PAPER
 
 ROOT = Path(__file__).parents[1]
 

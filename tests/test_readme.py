@@ -27,7 +27,7 @@ from cgff_cli.rivals.registry import REGISTRY
 from cgff_cli.rivals.scipy_solvers import MOST_DENSE
 from cgff_cli.solvers.solution import COLUMNS
 from cgff_cli.solvers.stopping import Verdict
-from cgff_cli.study.runs import EVALUATIONS_PER_ITERATION
+from cgff_cli.study.judge import EVALUATIONS_PER_ITERATION
 from cgff_cli.study.scenes import SUMMARY
 from tests.pages import PAGES, README, ROOT, WORDS, Block, blocks, code_in, rows, section
 

@@ -7,10 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from cgff_cli.study.bench import BENCH_SCHEMA
+from cgff_cli.study.bench import BENCH_SCHEMA, ROW_FIELDS
+from cgff_cli.study.case import BALANCED, STABILITIES
 from cgff_cli.study.changes import CHANGES
-from cgff_cli.study.expectation import BALANCED, STABILITIES
-from cgff_cli.study.measure import ROW_FIELDS
 from cgff_cli.study.suite import cases_of, standard
 from tests.pages import ROOT, WORDS, blocks, code_in, rows, section
 from tests.studies.readme_tables import BLOCK, MAKERS, PAGE, RECORD, filled

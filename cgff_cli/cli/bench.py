@@ -8,22 +8,17 @@ import click
 from cgff_cli.cli.common import (
     ExitCode,
     SectionCommand,
+    drawn,
     examples,
+    failed,
     flag,
     progress,
-    report_error,
     say,
-    screen,
     word_options,
     worst,
 )
-from cgff_cli.cli.comparing import (
-    comparing_flags,
-    comparing_options,
-    form_of,
-    wanted_methods,
-)
-from cgff_cli.cli.targets import Named, check_targets, files_among
+from cgff_cli.cli.comparing import comparing_flags, comparing_options, wanted_methods
+from cgff_cli.cli.targets import Named, check_targets, form_of_data
 from cgff_cli.report.files import STDOUT, is_stream, write_output
 
 if TYPE_CHECKING:
@@ -85,13 +80,15 @@ class Bench:
         from cgff_cli.study.suite import cases_of, standard
 
         self.path = None if values["output"] == STDOUT else values["output"]
-        self.form = form_of(values["output_format"], self.path, table_too=True)
-        self.table = "table" in (self.form, values["output_format"])
+        asked = values["output_format"]
+        beside = self.path is not None and asked == "table"
+        self.form = form_of_data(None if beside else asked, self.path)
+        self.table = beside or self.form == "table"
         self.is_filed = self.path is not None and not is_stream(self.path)
         methods, self.options = wanted_methods(values, "all"), comparing_options(values)
         self.jobs = jobs_of(cases_of(suites or [standard()]), methods, self.options)
         self.options |= {"methods": methods}
-        check_targets(files_among([(self.path, "the rows")]), _inputs(suites, self.jobs))
+        check_targets([(self.path, "the rows")], _inputs(suites, self.jobs))
         self.asked = _selected(self.jobs, values["only"])
         self.rows: dict[str, list[Row]] = {}
         if self.form == "json" and self.is_filed:
@@ -101,39 +98,36 @@ class Bench:
 
     def measured(self, job: "Job") -> "list[Row]":
         """Return the rows of a job, showing on a terminal which run of which case is at work."""
-        from cgff_cli.study.measure import measured
+        from cgff_cli.study.bench import measured
 
         place = f"case {self.asked.index(job) + 1} of {len(self.asked)}"
         with progress(job.case.id, delay=0.0) as line:
-            if line is None:
-                return measured(job)
-            line.show(place)
-            return measured(job, lambda method, run: line.show(f"{place}, {method}, run {run}"))
+            show = None if line is None else lambda *run: line.show(f"{place}, {run[0]}, run {run[1]}")
+            return measured(job, show)
 
-    def took(self, ended: "Done[Job, list[Row]]") -> ExitCode:
+    def took(self, ended: "Done") -> ExitCode:
         """Take what became of a job: write what there is so far, and tell how it ended."""
         name = ended.job.case.id
-        if ended.is_interrupt:
-            say(f"cgff: {name}: interrupted")
-            return ExitCode.INTERRUPTED
         if ended.error is not None:
             say(f"cgff: {name}: not measured")
-            return report_error(ended.error)
+        code = failed(ended, name)
+        if code is not None:
+            return code
         rows = self.rows[ended.job.digest] = ended.found
         if ended.is_new and self.is_filed:
             write_output(str(self.path), self._text())
         if self.table:
-            from cgff_cli.report.bench_text import case_text
+            from cgff_cli.report.bench_text import case_page
 
-            write_output(STDOUT, [case_text(rows, **screen())])
+            write_output(STDOUT, [drawn(case_page(rows)), "\n"])
         return _told(ended.job, rows)
 
     def finish(self) -> None:
         """Write what takes all rows at once."""
         if self.table and self._found(self.asked):
-            from cgff_cli.report.bench_text import all_cases_text
+            from cgff_cli.report.bench_text import all_cases_page
 
-            write_output(STDOUT, [all_cases_text(self._found(self.asked), **screen())])
+            write_output(STDOUT, [drawn(all_cases_page(self._found(self.asked)))])
         if self.path is not None or not self.table:
             write_output(self.path or STDOUT, self._text())
 
@@ -144,7 +138,7 @@ class Bench:
         """Return the pieces of the file: of all jobs, those not asked for in this run among them."""
         rows = self._found(self.jobs)
         if self.form == "csv":
-            from cgff_cli.report.bench_csv import bench_table
+            from cgff_cli.report.csv_out import bench_table
 
             return bench_table(rows)
         from cgff_cli.report import json_out

@@ -1,6 +1,7 @@
 """`cgff check`: read and validate scenes, solve nothing."""
 
-from collections.abc import Iterable
+import sys
+from collections.abc import Iterable, Sized
 from itertools import zip_longest
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +12,6 @@ from cgff_cli.cli.common import (
     SectionCommand,
     examples,
     report_error,
-    screen,
     title,
     warn_of,
     word_options,
@@ -19,6 +19,7 @@ from cgff_cli.cli.common import (
 )
 from cgff_cli.cli.options import format_flag, scenes_arguments
 from cgff_cli.errors import Problem, SceneError
+from cgff_cli.hints import count
 from cgff_cli.report.files import STDOUT, write_output
 
 if TYPE_CHECKING:
@@ -62,27 +63,21 @@ def _checked(path: str) -> tuple[dict[str, Any], ExitCode]:
     except Exception as error:
         problems = error.problems if isinstance(error, SceneError) else ()
         code = report_error(error)
-        return _record(path, None, [_placed(problem) for problem in problems]), code
+        return _record(path, None, problems), code
     warn_of(path, scene.warnings)
-    return _record(path, scene, []), ExitCode.OK
+    return _record(path, scene, ()), ExitCode.OK
 
 
-def _placed(problem: Problem) -> dict[str, Any]:
-    """Return a problem by field; line and column are null where it has no place."""
-    return {name: value or None for name, value in problem._asdict().items()}
-
-
-def _record(path: str, scene: "Scene | None", problems: list[dict[str, Any]]) -> dict[str, Any]:
-    """Return what --format json prints; what a scene holds is null for one that cannot be used."""
-    held = (
-        (scene.node_names, range(scene.element_count), scene.groups, scene.supports, scene.loads)
-        if scene
-        else ()
-    )
+def _record(path: str, scene: "Scene | None", problems: Iterable[Problem]) -> dict[str, Any]:
+    """Return what --format json prints: null where a problem has no place, or a scene cannot be used."""
+    held: tuple[Sized, ...] = ()
+    if scene is not None:
+        elements = range(scene.element_count)
+        held = (scene.node_names, elements, scene.groups, scene.supports, scene.loads)
     return {
         "path": title(path),
         "ok": scene is not None,
-        "problems": problems,
+        "problems": [{name: value or None for name, value in own._asdict().items()} for own in problems],
         "warnings": list(scene.warnings) if scene else [],
         **{name: getattr(scene, name, None) for name in ("name", "law", "dimension")},
         **dict(zip_longest(_COUNTED, map(len, held))),
@@ -100,19 +95,15 @@ def _json(record: dict[str, Any], lines: bool) -> Iterable[str]:
 
 def _line(record: dict[str, Any]) -> list[str]:
     """Return what is said of a good scene, wrapped where a terminal is too narrow for it."""
-    nodes, elements, groups, supports, loads = (_count(record[noun], noun) for noun in _COUNTED)
+    nodes, elements, groups, supports, loads = (count(record[noun], noun[:-1]) for noun in _COUNTED)
     held = f"{supports}, {loads}" if record["loads"] else supports
     line = (
         f"{record['path']}: ok: {nodes}, {elements} in {groups}, {record['dimension']}-D, {held}, "
         f"law {record['law']}"
     )
-    if not screen()["terminal"]:
+    if not sys.stdout.isatty():
         return [f"{line}\n"]
-    from cgff_cli.report.terminal import wrapped
+    from shutil import get_terminal_size
+    from textwrap import fill
 
-    return [wrapped(line, **screen())]
-
-
-def _count(number: int, plural: str) -> str:
-    """Return "no supports", "1 support" or "2 supports"."""
-    return f"{number or 'no'} {plural if number != 1 else plural[:-1]}"
+    return [fill(line, get_terminal_size().columns, break_on_hyphens=False), "\n"]

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from enum import IntEnum
 from functools import reduce
-from typing import TYPE_CHECKING, Any, TextIO, TypedDict, TypeVar
+from typing import TYPE_CHECKING, Any, TextIO, TypeVar
 
 import click
 
@@ -14,6 +14,7 @@ from cgff_cli.errors import CgffError, OptionError, SceneError
 
 if TYPE_CHECKING:
     from cgff_cli.report.progress import Progress
+    from cgff_cli.study.machine import Done
 
 Decorated = TypeVar("Decorated", bound=Callable[..., Any])
 Decorator = Callable[[Decorated], Decorated]
@@ -54,20 +55,7 @@ class SectionOption(click.Option):
         self.section = section
 
 
-class TellingCommand(click.Command):
-    """A command whose help, where it cannot be written, is an error like that of any other output."""
-
-    def make_context(self, *arguments: Any, **more: Any) -> click.Context:
-        """Read the command line; --help and --version write here."""
-        try:
-            return super().make_context(*arguments, **more)
-        except BrokenPipeError:
-            raise
-        except OSError as error:
-            raise CgffError(f"standard output: cannot be written: {error.strerror}") from error
-
-
-class SectionCommand(TellingCommand):
+class SectionCommand(click.Command):
     """A command whose help lists options section by section."""
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
@@ -120,16 +108,11 @@ def wanted(word: str) -> bool | None:
     return ctx.meta.get(f"cgff.{word}") if ctx else None
 
 
-class Screen(TypedDict):
-    """What a page is drawn for: a terminal or not, in colour or not, None for the terminal's own habit."""
+def drawn(page: Iterable[Any]) -> str:
+    """Return a page as text for standard output, with widths and colours where that is a terminal."""
+    from cgff_cli.report.terminal import rendered
 
-    terminal: bool
-    colour: bool | None
-
-
-def screen() -> Screen:
-    """Return what standard output is."""
-    return {"terminal": sys.stdout.isatty(), "colour": wanted("color")}
+    return rendered(page, sys.stdout.isatty(), wanted("color"))
 
 
 def say(text: str) -> None:
@@ -138,16 +121,10 @@ def say(text: str) -> None:
         click.echo(text, err=True)
 
 
-def warn(text: str) -> None:
-    """Write one line of words to standard error, unless -q was given."""
-    if not wanted("quiet"):
-        say(text)
-
-
 def warn_of(scene: str, warnings: Iterable[str]) -> None:
     """Write the warnings about a scene to standard error, unless -q was given."""
-    for warning in warnings:
-        warn(f"cgff: {title(scene)}: warning: {warning}")
+    for warning in () if wanted("quiet") else warnings:
+        say(f"cgff: {title(scene)}: warning: {warning}")
 
 
 def title(scene: str) -> str:
@@ -184,6 +161,19 @@ def report_error(error: Exception) -> ExitCode:
     return ExitCode.ERROR
 
 
+def failed(ended: "Done", name: str = "") -> ExitCode | None:
+    """Say why a job has no result and return the exit code; None where it has one.
+
+    Raises what ends the whole command: a reader that has gone, output over a file that is read.
+    """
+    if ended.is_interrupt:
+        say(f"cgff: {name}: interrupted" if name else "cgff: interrupted")
+        return ExitCode.INTERRUPTED
+    if isinstance(ended.error, (BrokenPipeError, click.UsageError)):
+        raise ended.error
+    return report_error(ended.error) if ended.error else None
+
+
 @contextmanager
 def errors_reported() -> Iterator[None]:
     """End the command with words and an exit code where the body raises."""
@@ -201,7 +191,12 @@ def errors_reported() -> Iterator[None]:
     except BrokenPipeError:
         raise click.exceptions.Exit(ExitCode.BROKEN_PIPE) from None
     except Exception as error:
-        raise click.exceptions.Exit(report_error(error)) from error
+        told: Exception = error
+        if (
+            isinstance(error, OSError) and error.filename is None
+        ):  # from --help, the one output of click's own
+            told = CgffError(f"standard output: cannot be written: {error.strerror}")
+        raise click.exceptions.Exit(report_error(told)) from error
     finally:
         for stream in (sys.stdout, sys.stderr):
             _settle(stream)

@@ -10,25 +10,26 @@ import click
 from cgff_cli.cli.common import (
     ExitCode,
     SectionCommand,
+    drawn,
     examples,
+    failed,
     progress,
-    report_error,
     say,
-    screen,
     title,
     wanted,
-    warn,
+    warn_of,
     word_options,
     worst,
 )
-from cgff_cli.cli.comparing import (
-    comparing_flags,
-    comparing_options,
-    form_of,
-    wanted_methods,
-)
+from cgff_cli.cli.comparing import comparing_flags, comparing_options, wanted_methods
 from cgff_cli.cli.options import once_only, output_flag
-from cgff_cli.cli.targets import Named, check_targets, files_among, files_of, refuse_inputs
+from cgff_cli.cli.targets import (
+    Named,
+    check_targets,
+    files_of,
+    form_of_data,
+    refuse_inputs,
+)
 from cgff_cli.report.files import STDOUT, write_output
 
 if TYPE_CHECKING:
@@ -67,11 +68,12 @@ def command(ctx: click.Context, scenes: tuple[str, ...], **values: Any) -> None:
     at the scene's own start, are judged by the scene's forces and stop at the same tolerance. A method that
     fails is a row that says how.
     """
+    from cgff_cli.scene.read import PAPER, shipped
     from cgff_cli.study.machine import done
     from cgff_cli.study.scenes import SceneJob
 
-    form, path = form_of(values["output_format"], values["output"]), values["output"]
-    given = scenes or _paper()
+    form, path = form_of_data(values["output_format"], values["output"]), values["output"]
+    given = scenes or [shipped(name) for name in PAPER]
     targets = _prepare(given, path, values["plot"])
     options = comparing_options(values) | {"methods": wanted_methods(values, "fdm")}
     found: list[Comparison] = []
@@ -97,12 +99,6 @@ def _finish(found: "list[Comparison]", form: str, path: str | None, plot: str | 
         draw(found, plot)
 
 
-def _paper() -> list[str]:
-    from cgff_cli.scene.shipped import PAPER, shipped
-
-    return [shipped(name) for name in PAPER]
-
-
 def _compared(options: dict[str, Any], targets: Sequence[Named], job: "SceneJob") -> "Comparison":
     """Return the comparison of one scene, showing on a terminal which method is at work."""
     from cgff_cli.scene.read import load
@@ -111,23 +107,17 @@ def _compared(options: dict[str, Any], targets: Sequence[Named], job: "SceneJob"
     scene = load(job.path)
     refuse_inputs(targets, ((file, f"a file of {title(job.path)}") for file in scene.files))
     with progress(title(job.path), delay=0.0) as line:
-        if line is None:
-            return compare(scene, **options)
-        return compare(scene, observer=lambda name, run: line.show(f"{name}, run {run}"), **options)
+        show = None if line is None else lambda *run: line.show(f"{run[0]}, run {run[1]}")
+        return compare(scene, observer=show, **options)
 
 
-def _told(ended: "Done[SceneJob, Comparison]") -> ExitCode:
+def _told(ended: "Done") -> ExitCode:
     """Say on standard error what a reader of the exit code alone would miss, and return that code."""
     name = title(ended.job.path)
-    if ended.is_interrupt:
-        say(f"cgff: {name}: interrupted")
-        return ExitCode.INTERRUPTED
-    if isinstance(ended.error, click.UsageError):
-        raise ended.error
-    if ended.error is not None:
-        return report_error(ended.error)
-    for warning in ended.found.source.warnings:
-        warn(f"cgff: {name}: warning: {warning}")
+    code = failed(ended, name)
+    if code is not None:
+        return code
+    warn_of(name, ended.found.source.warnings)
     own = ended.found.methods[0]
     if own.converged:
         return ExitCode.OK
@@ -144,25 +134,23 @@ def _prepare(scenes: Sequence[str], path: str | None, plot: str | None) -> list[
         if os.path.splitext(plot)[1].lower() not in PICTURES:
             raise click.UsageError(f"--plot {plot}: the name must end in .png or .svg")
         check_matplotlib()
-    targets = files_among([(path, "the comparison"), (plot, "the picture")])
-    check_targets(targets, files_of(scenes))
-    return targets
+    return check_targets([(path, "the comparison"), (plot, "the picture")], files_of(scenes))
 
 
 def _text(found: "list[Comparison]", form: str, many: bool) -> Iterable[str]:
     """Return the pieces of text of comparisons; many: one of several pieces of standard output."""
     if form == "csv":
-        from cgff_cli.report.comparison_csv import comparisons
+        from cgff_cli.report.csv_out import comparison_table
 
-        return comparisons(found)
+        return comparison_table(found)
     if form == "table":
-        from cgff_cli.report.comparison_text import comparison_text
+        from cgff_cli.report.comparison_text import comparison_page
 
-        pages = [comparison_text(one, **screen(), full=bool(wanted("verbose"))) for one in found]
+        pages = [drawn(comparison_page(one, bool(wanted("verbose")))) for one in found]
         return [*pages, "\n"] if many else pages
     from cgff_cli.report import json_out
 
     if len(found) == 1:
         layout = json_out.line if many else json_out.pretty
         return layout(found[0].to_dict().items())
-    return json_out.array(one.to_dict() for one in found)
+    return json_out.array(json_out.encode(one.to_dict()) for one in found)

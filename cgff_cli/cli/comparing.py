@@ -7,7 +7,6 @@ import click
 
 from cgff_cli.cli.common import Decorator, flag, flags
 from cgff_cli.cli.options import FORMATS, format_flag, given_solve_options, output_flag, solve_option
-from cgff_cli.cli.targets import form_of_data
 from cgff_cli.options import OPTIONS
 
 RIVALS = {
@@ -71,10 +70,4 @@ def wanted_methods(values: Mapping[str, Any], default: str) -> list[str]:
 def comparing_options(values: Mapping[str, Any]) -> dict[str, Any]:
     """Return the options of solving and comparing that were set on the command line."""
     own = {name: values[name] for name in ("repeat", "time_limit") if values[name] is not None}
-    return own | given_solve_options({name: values[name] for name in SOLVE_OPTIONS})
-
-
-def form_of(output_format: str | None, path: str | None, *, table_too: bool = False) -> str:
-    """Return the format to write; table_too: a table may be asked for beside a file."""
-    beside = table_too and path is not None and output_format == "table"
-    return form_of_data(None if beside else output_format, path)
+    return own | given_solve_options(values)

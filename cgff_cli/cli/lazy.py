@@ -6,11 +6,10 @@ from typing import ClassVar
 
 import click
 
-from cgff_cli.cli.common import TellingCommand
 from cgff_cli.hints import did_you_mean
 
 
-class LazyGroup(TellingCommand, click.Group, ABC):
+class LazyGroup(click.Group, ABC):
     """Commands known by name and a line of help; a group of its own kind says which.
 
     listed : name -> line of help, in the order to list them

@@ -8,15 +8,15 @@ import click
 
 from cgff_cli.cli.common import Decorator, SectionCommand, examples, flag, flags, word_options
 from cgff_cli.cli.lazy import LazyGroup
-from cgff_cli.cli.options import Checked, as_sentence, output_flag
-from cgff_cli.cli.targets import check_targets, files_among, form_of_file
+from cgff_cli.cli.options import output_flag, rule_flag
+from cgff_cli.cli.targets import check_targets, form_of_file
 from cgff_cli.errors import OptionError
 from cgff_cli.report.files import STDOUT, write_output
 from cgff_cli.scene.families import FAMILIES
-from cgff_cli.scene.parameters import Parameter
 
 if TYPE_CHECKING:
-    from cgff_cli.scene.new import Made
+    from cgff_cli.scene.new import Parameter
+    from cgff_cli.scene.scene import Scene
 
 MANY = 2000
 """Elements above which a scene file keeps its nodes and elements in tables beside it."""
@@ -57,7 +57,7 @@ def family_command(name: str) -> click.Command:
         """Write the scene that the flags describe."""
         given = {key: value for key, value in values.items() if value is not None}
         try:
-            _write(make(name, given), output, tables)
+            _write(*make(name, given), output, tables)
         except OptionError as error:
             raise click.UsageError(str(error), ctx) from None
 
@@ -93,22 +93,11 @@ def command() -> None:
     """
 
 
-def _parameter_flag(parameter: Parameter, section: str) -> Decorator[Any]:
-    choices = parameter.rule.choices
-    letter = {int: "N", str: "TEXT", float: "X"}[parameter.kind]
-    kinds = () if parameter.kind is str else (int, float)
-    default = "" if parameter.default is None else f" Default: {parameter.default}."
-    return flag(
-        parameter.flag,
-        parameter.name,
-        section=section,
-        type=click.Choice(choices) if choices else Checked(letter, parameter.checked, *kinds),
-        metavar=None if choices else letter,
-        help=as_sentence(parameter.rule.help) + default,
-    )
+def _parameter_flag(own: "Parameter", section: str) -> Decorator[Any]:
+    return rule_flag(own.name, own.rule, own.checked, section, own.default)
 
 
-def _write(made: "Made", output: str, tables: bool | None) -> None:
+def _write(scene: "Scene", header: str, output: str, tables: bool | None) -> None:
     """Write a scene; its tables come first, so that a scene file never names one that is missing."""
     from cgff_cli.scene.tables_out import element_table, node_table
     from cgff_cli.scene.write import to_yaml
@@ -116,12 +105,12 @@ def _write(made: "Made", output: str, tables: bool | None) -> None:
     streamed = output == STDOUT or form_of_file("-o", output, _SUFFIXES, "the name of a scene") is None
     if streamed and tables:
         raise click.UsageError("--tables needs -o FILE.yaml, beside which the tables are written")
-    tabled = not streamed and (made.scene.element_count > MANY if tables is None else tables)
+    tabled = not streamed and (scene.element_count > MANY if tables is None else tables)
     stem = os.path.splitext(output)[0]
     paths = (f"{stem}.nodes.csv", f"{stem}.elements.csv")
     wanted = paths if tabled else ()
-    check_targets(files_among([*((path, "a table") for path in wanted), (output, "the scene")]), ())
+    check_targets([*((path, "a table") for path in wanted), (output, "the scene")])
     for path, table in zip(wanted, (node_table, element_table), strict=False):
-        write_output(path, table(made.scene))
+        write_output(path, table(scene))
     names = (os.path.basename(paths[0]), os.path.basename(paths[1])) if tabled else None
-    write_output(output, [to_yaml(made.scene, made.header, names)])
+    write_output(output, [to_yaml(scene, header, names)])

@@ -12,6 +12,7 @@ from cgff_cli.cli.common import Decorator, flag, flags
 from cgff_cli.errors import OptionError
 from cgff_cli.options import OPTIONS, checked
 from cgff_cli.report.files import STDOUT
+from cgff_cli.values import Rule
 
 FORMATS = ("table", "json", "csv")
 
@@ -87,23 +88,31 @@ scenes_arguments = flags(
 """Adds SCENE... and --files-from; a command gets the scenes of both."""
 
 
-def solve_option(name: str, default: object = None) -> Decorator[Any]:
-    """Return what adds the flag of one solve option; `default` is the command's own, where it has one."""
-    option = OPTIONS[name]
-    rules = option.metadata
-    allowed = rules.get("allowed")
-    letter = "N" if rules["type"] is int else "X"
+def rule_flag(
+    name: str, rule: Rule, checked: Callable[[Any], Any], section: str, default: object
+) -> Decorator[Any]:
+    """Return what adds the flag of a value that has a rule; None is a default that the help explains."""
+    letter = {int: "N", str: "TEXT", float: "X"}[rule.kind]
+    kinds = () if rule.kind is str else (int, float)
+    said = "" if default is None else f" Default: {default}."
     return flag(
         f"--{name.replace('_', '-')}",
         name,
-        section="Solver",
-        type=click.Choice(allowed) if allowed else Checked(letter, partial(checked, name), float),
-        metavar=None if allowed else letter,
-        help=f"{as_sentence(rules['help'])} Default: {option.default if default is None else default}.",
+        section=section,
+        type=click.Choice(rule.choices) if rule.choices else Checked(letter, checked, *kinds),
+        metavar=None if rule.choices else letter,
+        help=f"{_as_sentence(rule.help)}{said}",
     )
 
 
-def as_sentence(text: str) -> str:
+def solve_option(name: str, default: object = None) -> Decorator[Any]:
+    """Return what adds the flag of one solve option; `default` is the command's own, where it has one."""
+    option = OPTIONS[name]
+    shown = option.default if default is None else default
+    return rule_flag(name, option.metadata["rule"], partial(checked, name), "Solver", shown)
+
+
+def _as_sentence(text: str) -> str:
     """Return a help text as a sentence; one that begins with an option's value keeps its first letter."""
     begins_with_value = text.split()[0].endswith((":", ","))
     return (text if begins_with_value else text[0].upper() + text[1:]).removesuffix(".") + "."

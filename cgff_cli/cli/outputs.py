@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from cgff_cli.cli.common import screen, title, wanted
+from cgff_cli.cli.common import drawn, title, wanted
 from cgff_cli.cli.targets import (
     check_targets,
-    files_among,
     files_of,
     form_of_data,
     form_of_file,
@@ -53,9 +52,9 @@ class Outputs:
         self.shown = _shown(flags, many=len(scenes) > 1)
         self.rows: list[dict[str, Any]] = []
         own = [(file.path, f"the {file.kind} of {scene}") for scene in scenes for file in self.files[scene]]
-        self.targets = files_among([*own, (self.summary, "the summary")])
-        listed = files_among([(flags["files_from"], "the list of scenes")])
-        check_targets(self.targets, (*listed, *files_of(scenes)), flags["out_dir"])
+        listed = [(flags["files_from"], "the list of scenes")] if flags["files_from"] else []
+        inputs = (*listed, *files_of(scenes))
+        self.targets = check_targets([*own, (self.summary, "the summary")], inputs, flags["out_dir"])
 
     @property
     def on_page(self) -> bool:
@@ -98,9 +97,9 @@ class Outputs:
 
             write_output(self.summary, (summary_lines if self.as_lines else summary_csv)(self.rows))
         if self.shown == "summary":
-            from cgff_cli.report.summary import summary_text
+            from cgff_cli.report.summary import summary_page
 
-            write_output(STDOUT, [summary_text(self.rows, **screen())])
+            write_output(STDOUT, [drawn(summary_page(self.rows))])
 
 
 def _refuse_conflicts(scenes: Sequence[str], flags: Mapping[str, Any]) -> None:
@@ -152,12 +151,12 @@ def _text(result: "Result", kind: str, form: str) -> Iterable[str]:
         }
         return writers[kind](result)
     if form == "table":
-        from cgff_cli.report.table import result_text
+        from cgff_cli.report.table import result_page
 
-        return [result_text(result, **screen(), full=bool(wanted("verbose")))]
+        return [drawn(result_page(result, bool(wanted("verbose"))))]
     from cgff_cli.report import json_out
 
     if kind == "elements":
-        return json_out.element_records(result)
+        return json_out.array(json_out.element_rows(result))
     layout = json_out.line if form == "lines" else json_out.pretty
     return layout(json_out.result_fields(result) if kind == "result" else result.history.items())

@@ -70,35 +70,31 @@ def unmet(result: "Result", required: Iterable[Requirement]) -> list[str]:
     return [f"{words} is required, but {what}" for words, what in said if what]
 
 
-def _not_stable(result: "Result") -> str:
-    analysis = result.analysis
-    if analysis["stable"]:
-        return ""
-    if analysis["stable"] is None:
-        return _not_known(result, "stable", "stability")
-    softest = analysis["smallest_stiffness"]
-    return f"the equilibrium is {analysis['stability']}" + (
+def _lacking(field: str, noun: str, why: "Callable[[Result], str]", result: "Result") -> str:
+    """Return what is said of a field of the analysis that is not true: why, or why that is not known."""
+    if result.analysis[field] is not None:
+        return "" if result.analysis[field] else why(result)
+    if result.options["analysis"] == "never":
+        return f"{noun} was not computed, as analysis never asks"
+    reason = (result.analysis.get("reason") or {}).get(field)
+    return f"{noun} is not known: {reason or 'analysis always or a smaller tolerance may tell'}"
+
+
+def _why_unstable(result: "Result") -> str:
+    softest = result.analysis["smallest_stiffness"]
+    return f"the equilibrium is {result.analysis['stability']}" + (
         "" if softest is None else f": its softest motion has a stiffness of {softest:.3g}"
     )
 
 
-def _not_super_stable(result: "Result") -> str:
-    analysis = result.analysis
-    if analysis["super_stable"]:
-        return ""
-    if analysis["super_stable"] is None:
-        return _not_known(result, "super_stable", "super-stability")
-    if not analysis["prestressed"]:
+def _why_not_super_stable(result: "Result") -> str:
+    if not result.analysis["prestressed"]:
         return "no element carries force"
     return _not_stable(result) or "it is stable by the stiffness of its elements, not by its stress alone"
 
 
-def _not_known(result: "Result", field: str, what: str) -> str:
-    """Return why a field of the analysis is null."""
-    if result.options["analysis"] == "never":
-        return f"{what} was not computed, as analysis never asks"
-    reason = (result.analysis.get("reason") or {}).get(field)
-    return f"{what} is not known: {reason or 'analysis always or a smaller tolerance may tell'}"
+_not_stable = partial(_lacking, "stable", "stability", _why_unstable)
+_not_super_stable = partial(_lacking, "super_stable", "super-stability", _why_not_super_stable)
 
 
 def _slack(result: "Result") -> str:

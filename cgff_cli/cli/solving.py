@@ -5,9 +5,7 @@ from collections.abc import Iterator, MutableMapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import click
-
-from cgff_cli.cli.common import ExitCode, progress, report_error, say, title, wanted, warn_of
+from cgff_cli.cli.common import ExitCode, failed, progress, say, title, wanted, warn_of
 from cgff_cli.cli.outputs import Outputs
 from cgff_cli.cli.requirements import Requirement, judged_for, unmet
 from cgff_cli.report.files import STDOUT, write_output
@@ -75,14 +73,14 @@ def earlier(
 
     if folder is None:
         return list(map(SceneJob, scenes)), {}, {}
-    from cgff_cli.study.journal import Journal
+    from cgff_cli.study.machine import Journal
 
     jobs, journal = list(resumable(scenes, work.asked)), Journal(os.path.join(folder, JOURNAL))
     left = [job for job in jobs if job.digest in journal and work.outputs.are_there(job.path)]
     return jobs, journal, {job.digest: Kept(journal[job.digest]) for job in left}
 
 
-def watched(found: "Iterator[Done[SceneJob, Kept]]", count: int, processes: int) -> Iterator[Any]:
+def watched(found: "Iterator[Done]", count: int, processes: int) -> Iterator[Any]:
     """Yield what became of scenes; where others work, show on a terminal how far they are meanwhile."""
     if processes == 1:
         yield from found
@@ -95,17 +93,13 @@ def watched(found: "Iterator[Done[SceneJob, Kept]]", count: int, processes: int)
         yield ended
 
 
-def took(ended: "Done[SceneJob, Kept]", outputs: Outputs, journal: "MutableMapping[str, Row]") -> ExitCode:
+def took(ended: "Done", outputs: Outputs, journal: "MutableMapping[str, Row]") -> ExitCode:
     """Take what became of a scene; what went wrong with it is told and stops no other."""
-    if ended.is_interrupt:  # outside the solver, which keeps what it has reached
-        say("cgff: interrupted")
-        return ExitCode.INTERRUPTED
-    if isinstance(ended.error, (BrokenPipeError, click.UsageError)):
-        raise ended.error
     scene = ended.job.path
-    if ended.error is not None:
-        code = report_error(ended.error)
-        outputs.failed(scene, "bad_scene" if code is ExitCode.SCENE else "error")
+    code = failed(ended)
+    if code is not None:
+        if ended.error is not None:
+            outputs.failed(scene, "bad_scene" if code is ExitCode.SCENE else "error")
         return code
     row, text = ended.found
     write_output(STDOUT, [text] if ended.is_new else outputs.written(scene))

@@ -45,19 +45,19 @@ def form_of_data(asked: str | None, path: str | None, contents: Mapping[str, str
     return form or asked or "json"
 
 
-def files_among(targets: Iterable[tuple[str | None, str]]) -> list[Named]:
-    """Return the targets that are files, leaving out those not asked for, devices and pipes."""
-    return [(path, what) for path, what in targets if path and path != STDOUT and not is_stream(path)]
-
-
-def check_targets(targets: Sequence[Named], inputs: Iterable[Named], folder: str | None = None) -> None:
+def check_targets(
+    asked: Iterable[tuple[str | None, str]], inputs: Iterable[Named] = (), folder: str | None = None
+) -> list[Named]:
     """Refuse, before any work, what would be written over something of this run, or not at all.
+
+    Return the targets that are files, without those not asked for, devices and pipes.
 
     inputs : asked for only where a target exists already: nothing else can be one of them
     folder : made where it is missing, once nothing speaks against the rest
 
     Raises UsageError, and CgffError where the system refuses.
     """
+    targets = [(path, what) for path, what in asked if path and path != STDOUT and not is_stream(path)]
     taken: dict[Identity, str] = {}
     for path, what in targets:
         if _identity(path) in taken:
@@ -68,6 +68,7 @@ def check_targets(targets: Sequence[Named], inputs: Iterable[Named], folder: str
         make_folder(folder)
     for path, _ in targets:
         check_target(path)
+    return targets
 
 
 def refuse_inputs(targets: Sequence[Named], inputs: Iterable[Named]) -> None:

@@ -4,18 +4,19 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from rich.console import RenderableType
+from rich.console import Group, RenderableType
 from rich.text import Text
 
-from cgff_cli.report.cells import column, stabilities, verdicts
+from cgff_cli.hints import count
 from cgff_cli.report.terminal import (
+    Aligned,
     Column,
-    aligned,
     clean,
-    count,
+    column,
     duration,
     fields,
-    rendered,
+    stabilities,
+    verdicts,
 )
 from cgff_cli.study.machine import Row
 
@@ -26,16 +27,6 @@ TOLD_THE_ANSWER = ("fdm", "schek")
 """Methods that are given CGFF's answer, or are laid over it by more than a rigid motion: never the first."""
 
 _NAMED = 5
-
-
-def case_text(rows: Sequence[Row], *, terminal: bool, colour: bool | None = None) -> str:
-    """Return the block of one case: a line per method; terminal: wrap it."""
-    return rendered(_case(rows), terminal, colour)
-
-
-def all_cases_text(rows: Sequence[Row], *, terminal: bool, colour: bool | None = None) -> str:
-    """Return a line per method over all cases, and what is to be told of them."""
-    return rendered(_summary(rows), terminal, colour)
 
 
 def first_to(rows: Sequence[Row], tolerance: str) -> str | None:
@@ -66,38 +57,34 @@ def by_case(rows: Sequence[Row]) -> dict[tuple[str | None, str], list[Row]]:
     return cases
 
 
-def _case(rows: Sequence[Row]) -> Iterator[RenderableType]:
-    first = rows[0]
-    size = "no scene"
+def case_page(rows: Sequence[Row]) -> Iterator[RenderableType]:
+    """Yield the block of one case: its name above a line per method."""
+    first, size = rows[0], "no scene"
     if first["nodes"] is not None:
-        size = (
-            f"{count(first['nodes'], 'node')}, {count(first['elements'], 'element')}, {first['dimension']}-D"
-        )
+        counted = [count(first["nodes"], "node"), count(first["elements"], "element")]
+        size = f"{', '.join(counted)}, {first['dimension']}-D"
     judged = {True: ", as expected", False: ", not as expected", None: ""}
     word = next((row["as_expected"] for row in rows if row["as_expected"] is not None), None)
-    yield Text.assemble((clean(first["case"]), "bold"), "  ", (size + judged[word], "dim"))
-    yield from aligned(
-        [
-            Column("method", _of(rows, "method")),
-            verdicts(_of(rows, "verdict")),
-            stabilities(_of(rows, "stable")),
-            column("residual", _of(rows, "residual_relative"), "{:.1e}".format),
-            column("shape", _of(rows, "shape_error"), "{:.1e}".format),
-            column("iterations", _of(rows, "iterations")),
-            *(
-                column(f"to {within}", [seconds_to(row, within) for row in rows], duration)
-                for within in SHOWN
-            ),
-        ]
-    )
-    yield Text("")
+    title = Text.assemble((clean(first["case"]), "bold"), "  ", (size + judged[word], "dim"))
+    reached = {within: [seconds_to(row, within) for row in rows] for within in SHOWN}
+    table = [
+        Column("method", _of(rows, "method")),
+        verdicts(_of(rows, "verdict")),
+        stabilities(_of(rows, "stable")),
+        column("residual", _of(rows, "residual_relative"), "{:.1e}".format),
+        column("shape", _of(rows, "shape_error"), "{:.1e}".format),
+        column("iterations", _of(rows, "iterations")),
+        *(column(f"to {within}", times, duration) for within, times in reached.items()),
+    ]
+    yield Group(title, Aligned(table))
 
 
 def _of(rows: Sequence[Row], name: str) -> list[Any]:
     return [row[name] for row in rows]
 
 
-def _summary(rows: Sequence[Row]) -> Iterator[RenderableType]:
+def all_cases_page(rows: Sequence[Row]) -> Iterator[RenderableType]:
+    """Yield a line per method over all cases, and what is to be told of them."""
     cases = by_case(rows)
     methods = list(dict.fromkeys(row["method"] for row in rows))
     own = {method: [row for row in rows if row["method"] == method] for method in methods}
@@ -114,8 +101,7 @@ def _summary(rows: Sequence[Row]) -> Iterator[RenderableType]:
         firsts = Counter(first_to(case, tolerance) for case in cases.values())
         cells = ["-" if method in TOLD_THE_ANSWER else str(firsts[method]) for method in methods]
         columns.append(Column(f"first to {tolerance}", cells, True))
-    yield from aligned(columns)
-    yield Text("")
+    yield Aligned(columns)
     yield fields(remarks(rows))
 
 

@@ -1,26 +1,28 @@
 """A comparison as a page for the terminal: what each method found, where it differs, how fast it came."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from rich.console import RenderableType
+from rich.console import Group, RenderableType
 from rich.text import Text
 
-from cgff_cli.report.cells import column, stabilities, verdicts
 from cgff_cli.report.table import FEW
 from cgff_cli.report.terminal import (
+    Aligned,
     Column,
-    aligned,
     clean,
+    column,
     duration,
     fields,
     number,
     numbers,
-    rendered,
+    stabilities,
     verdict_words,
+    verdicts,
 )
+from cgff_cli.rivals.task import AtResidual, AtShape
 from cgff_cli.study.record import Comparison, Method
 
 ALIGNMENTS = {
@@ -39,36 +41,20 @@ DIFFERENCES = {
 """Title of a column -> the field it shows."""
 
 
-def comparison_text(
-    comparison: Comparison, *, terminal: bool, colour: bool | None = None, full: bool = False
-) -> str:
-    """Return the page.
-
-    terminal : wrap it at the terminal's width
-    colour   : with escape sequences, see `rendered`
-    full     : list every node and element, however many, and lengths and force densities of all methods
-    """
-    return rendered(_page(comparison, full), terminal, colour)
-
-
-def _page(comparison: Comparison, full: bool) -> Iterator[RenderableType]:
+def comparison_page(comparison: Comparison, full: bool = False) -> Iterator[RenderableType]:
+    """Yield the page; full: every node and element, with lengths and force densities of all methods."""
     shown = [method for method in comparison.methods if method.X is not None]
     yield Text.assemble((clean(comparison.source.name), "bold"), "  ", (_size(comparison), "dim"))
-    yield Text("")
-    yield from aligned(list(_outcomes(comparison.methods)))
-    yield Text("")
+    yield Aligned(_outcomes(comparison.methods))
     if len(shown) > 1:
-        yield from aligned(list(_differences(shown[1:])))
-        yield Text("")
+        yield Aligned(_differences(shown[1:]))
     if full or len(comparison.source.node_names) <= FEW:
         yield from _coordinates(comparison, shown)
     yield from _members(comparison, shown, full)
-    yield Text("iterations and time until the residual, over the largest force, is within", style="bold")
-    yield from aligned(list(_speed([(method.name, method.curve) for method in comparison.methods])))
-    yield Text("")
-    yield Text("and until the error in shape, over the structure's size, is within", style="bold")
-    yield from aligned(list(_speed([(method.name, method.shape_curve) for method in comparison.methods])))
-    yield Text("")
+    words = "iterations and time until the residual, over the largest force, is within"
+    yield _speed(words, {method.name: method.curve for method in comparison.methods})
+    words = "and until the error in shape, over the structure's size, is within"
+    yield _speed(words, {method.name: method.shape_curve for method in comparison.methods})
     yield fields(_notes(comparison))
 
 
@@ -105,19 +91,14 @@ def _coordinates(comparison: Comparison, shown: Sequence[Method]) -> Iterator[Re
     shapes = [(method.name, method.X) for method in shown if method.X is not None]
     for k, axis in enumerate("xyz"[: comparison.source.dimension]):
         columns = [Column(name, numbers(X[:, k].tolist()), True) for name, X in shapes]
-        yield from aligned([Column(axis, [clean(name) for name in names]), *columns])
-        yield Text("")
+        yield Aligned([Column(axis, [clean(name) for name in names]), *columns])
 
 
 def _members(comparison: Comparison, shown: Sequence[Method], full: bool) -> Iterator[RenderableType]:
     """Yield force densities by group of the methods that have their own; in full, all of every element."""
     if full:
-        yield from aligned([*_labels(comparison, "length"), *_values(shown, "lengths")], keys=3)
-        yield Text("")
-        yield from aligned(
-            [*_labels(comparison, "force density"), *_values(shown, "force_densities")], keys=3
-        )
-        yield Text("")
+        for title, name in (("length", "lengths"), ("force density", "force_densities")):
+            yield Aligned([*_labels(comparison, title), *_values(shown, name)], keys=3)
         return
     own = [method for method in shown if method.name in ("cgff", "fdm", "schek")]
     groups = comparison.source.groups
@@ -125,8 +106,7 @@ def _members(comparison: Comparison, shown: Sequence[Method], full: bool) -> Ite
     columns = [
         Column(method.name, [_span(method, slice(*rows)) for rows in pairwise(cuts)], True) for method in own
     ]
-    yield from aligned([Column("force densities", [clean(group.name) for group in groups]), *columns])
-    yield Text("")
+    yield Aligned([Column("force densities", [clean(group.name) for group in groups]), *columns])
 
 
 def _labels(comparison: Comparison, title: str) -> Iterator[Column]:
@@ -149,16 +129,17 @@ def _span(method: Method, rows: slice) -> str:
     return high if low == high else f"{low} .. {high}"
 
 
-def _speed(curves: Sequence[tuple[str, Sequence[Any]]]) -> Iterator[Column]:
-    """Yield the tolerances, then a column of `iterations, time` per method."""
-    tolerances = next(curve for _, curve in curves if curve)
-    yield Column("within", [f"{point.tolerance:.0e}" for point in tolerances])
-    for name, curve in curves:
+def _speed(words: str, curves: Mapping[str, Sequence[AtResidual | AtShape]]) -> Group:
+    """Return a heading above the tolerances and a column of `iterations, time` per method."""
+    tolerances = next(curve for curve in curves.values() if curve)
+    table = [Column("within", [f"{point.tolerance:.0e}" for point in tolerances])]
+    for name, curve in curves.items():
         if curve:
-            yield Column(name, [_reached(point) for point in curve], True)
+            table.append(Column(name, [_reached(point) for point in curve], True))
+    return Group(Text(words, style="bold"), Aligned(table))
 
 
-def _reached(point: Any) -> str:
+def _reached(point: AtResidual | AtShape) -> str:
     if point.seconds is None:
         return "-"
     time = f"{duration(point.seconds):>7}"

@@ -4,10 +4,16 @@ import csv
 import io
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from cgff_cli.report.columns import element_blocks, node_blocks
 from cgff_cli.result import Result
+
+if TYPE_CHECKING:
+    from cgff_cli.study.record import Comparison
+
+_LONG = ("nodes", "lengths", "force_densities", "curve", "shape_curve")
+"""Fields of a method that are no single values."""
 
 
 def coordinate_table(result: Result) -> Iterator[str]:
@@ -23,6 +29,40 @@ def elements(result: Result) -> Iterator[str]:
 def history(result: Result) -> Iterator[str]:
     """Yield one row per iteration, row 0 the start."""
     return columns(result.history)
+
+
+def bench_table(found: Iterable[Mapping[str, Any]]) -> Iterator[str]:
+    """Yield one row per case and method, the tolerances reached as columns."""
+    rows = []
+    for own in found:
+        row = {name: value for name, value in own.items() if name != "reached"}
+        for tolerance, point in own["reached"].items():
+            row |= _when(tolerance, point["iterations"], point["seconds"])
+        rows.append(row)
+    return _records(rows, last=("message", "digest"))
+
+
+def comparison_table(found: "Iterable[Comparison]") -> Iterator[str]:
+    """Yield one row per scene and method, the points of both curves as columns."""
+    rows = []
+    for comparison in found:
+        for method in comparison.methods:
+            row = {"scene": comparison.source.path, **method.to_dict()}
+            for curve, of in ((method.curve, "residual"), (method.shape_curve, "shape")):
+                for point in curve:
+                    row |= _when(f"{of}_{point.tolerance:.0e}", point.iterations, point.seconds)
+            rows.append({name: value for name, value in row.items() if name not in _LONG})
+    return _records(rows, last=("message",))
+
+
+def _when(reached: str, iterations: int | None, seconds: float | None) -> dict[str, Any]:
+    return {f"iterations_to_{reached}": iterations, f"seconds_to_{reached}": seconds}
+
+
+def _records(rows: Sequence[Mapping[str, Any]], last: tuple[str, ...]) -> Iterator[str]:
+    """Yield rows by name, some names last; what a row lacks is an empty cell."""
+    names = dict.fromkeys(name for row in rows for name in row if name not in last)
+    return columns({name: [row.get(name) for row in rows] for name in (*names, *last)})
 
 
 def columns(table: Mapping[str, Sequence[Any]]) -> Iterator[str]:

@@ -44,14 +44,10 @@ def result_fields(result: Result) -> Iterator[tuple[str, Any]]:
             yield name, getattr(result, name)
 
 
-def array(records: Iterable[Mapping[str, Any]]) -> Iterator[str]:
-    """Yield an array of objects, one per line."""
-    return _array(map(encode, records))
-
-
-def element_records(result: Result) -> Iterator[str]:
-    """Yield the array of element records, one per line."""
-    return _array(element_rows(result))
+def array(entries: Iterator[str]) -> Iterator[str]:
+    """Yield an array of what is text already, such as `element_rows`, one entry per line."""
+    yield from _rows(Rows("[]", entries), ",", "\n", "\n  ")
+    yield "\n"
 
 
 def node_rows(result: Result) -> Iterator[str]:
@@ -74,11 +70,6 @@ def encode(value: Any) -> str:
         return _encode(value)
     except ValueError:  # NaN or infinity somewhere inside
         return _encode(_finite(value))
-
-
-def _array(entries: Iterator[str]) -> Iterator[str]:
-    yield from _rows(Rows("[]", entries), ",", "\n", "\n  ")
-    yield "\n"
 
 
 def _object(

@@ -32,43 +32,28 @@ def draw(found: Sequence[Comparison], path: str) -> None:
     FigureCanvasAgg(figure)
     rows = figure.subplots(len(found), 2, squeeze=False)
     for comparison, (precision, iterations) in zip(found, rows, strict=True):
-        _work_precision(precision, comparison)
-        _iterations(iterations, comparison)
+        _lines(precision, comparison, "seconds", "tolerance")
+        precision.set(xscale="log", yscale="log", title=comparison.source.name)
+        precision.set(xlabel="seconds (median)", ylabel="residual / largest force")
+        precision.invert_yaxis()
+        _lines(iterations, comparison, "tolerance", "iterations")
+        iterations.set(xscale="log", yscale="symlog", title="iterations against tolerance")
+        iterations.set(xlabel="eps: residual / largest force", ylabel="iterations")
+        iterations.invert_xaxis()
+        iterations.set_ylim(bottom=0.0)
+        iterations.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize="small")
     picture = io.BytesIO()
     figure.savefig(picture, format=path.rsplit(".", 1)[1].lower(), dpi=144)
     write_bytes(path, picture.getvalue())
 
 
-def _work_precision(axes: Any, comparison: Comparison) -> None:
-    """Draw the tolerance reached against time, a line per method."""
+def _lines(axes: Any, comparison: Comparison, across: str, upwards: str) -> None:
+    """Draw one field of the curves against another, a line per method; one without points is named too."""
     for number, method in enumerate(comparison.methods):
-        points = [(p.seconds, p.tolerance) for p in method.curve if p.seconds is not None]
-        _line(axes, number, method.name, points)
-    axes.set(xscale="log", yscale="log", title=comparison.source.name)
-    axes.set(xlabel="seconds (median)", ylabel="residual / largest force")
-    axes.invert_yaxis()
-    _finished(axes)
-
-
-def _iterations(axes: Any, comparison: Comparison) -> None:
-    """Draw iterations against the tolerance, as the paper does, a line per method."""
-    for number, method in enumerate(comparison.methods):
-        points = [(p.tolerance, p.iterations) for p in method.curve if p.iterations is not None]
-        _line(axes, number, method.name, points)
-    axes.set(xscale="log", yscale="symlog", title="iterations against tolerance")
-    axes.set(xlabel="eps: residual / largest force", ylabel="iterations")
-    axes.invert_xaxis()
-    axes.set_ylim(bottom=0.0)
-    _finished(axes)
-    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize="small")
-
-
-def _line(axes: Any, number: int, name: str, points: Sequence[tuple[float, float]]) -> None:
-    """Draw a method's points; one that has none is named all the same."""
-    style = {"marker": MARKERS[number % len(MARKERS)], "markersize": 4, "linewidth": 1.2}
-    x, y = zip(*points, strict=True) if points else ((), ())
-    axes.plot(x, y, label=name if points else f"{name}: never", color=f"C{number}", **style)
-
-
-def _finished(axes: Any) -> None:
+        pairs = [(getattr(point, across), getattr(point, upwards)) for point in method.curve]
+        points = [pair for pair in pairs if None not in pair]
+        x, y = zip(*points, strict=True) if points else ((), ())
+        label = method.name if points else f"{method.name}: never"
+        style = {"marker": MARKERS[number % len(MARKERS)], "markersize": 4, "linewidth": 1.2}
+        axes.plot(x, y, label=label, color=f"C{number}", **style)
     axes.grid(visible=True, which="major", alpha=0.3)

@@ -7,17 +7,16 @@ import numpy as np
 from rich.console import RenderableType
 from rich.text import Text
 
-from cgff_cli.report.cells import column
+from cgff_cli.hints import count
 from cgff_cli.report.terminal import (
+    Aligned,
     Column,
-    aligned,
     clean,
-    count,
+    column,
     duration,
     fields,
     number,
     numbers,
-    rendered,
     verdict_words,
 )
 from cgff_cli.result import Result
@@ -28,26 +27,24 @@ FEW = 30
 _NAMED = 6  # elements named in a sentence before it says how many more
 
 
-def result_text(result: Result, *, terminal: bool, colour: bool | None = None, full: bool = False) -> str:
-    """Return the page: how it ended, what was found, nodes and elements.
-
-    terminal : wrap it at the terminal's width
-    colour   : with escape sequences, see `rendered`
-    full     : list every node and element, however many
-    """
-    return rendered(_page(result, full), terminal, colour)
-
-
-def _page(result: Result, full: bool) -> Iterator[RenderableType]:
+def result_page(result: Result, full: bool = False) -> Iterator[RenderableType]:
+    """Yield the page: how it ended, what was found, nodes and elements; full: each, however many."""
+    names, X, reactions = result.source.node_names, result.coordinates, result.reactions
+    pulls = np.array(list(reactions.values()))
     yield Text.assemble((clean(result.source.name), "bold"), "  ", verdict_words(result.verdict))
-    yield Text("")
     yield fields(_facts(result))
-    yield Text("")
-    yield from _nodes(result, full)
-    if result.source.supports:
-        yield from _reactions(result, full)
-    yield Text("")
-    yield from _elements(result) if full or result.source.element_count <= FEW else _groups(result)
+    many_nodes, many_reactions = (not full and len(own) > FEW for own in (X, pulls))
+    if many_nodes:
+        ends = zip(X.min(axis=0), X.max(axis=0), strict=True)
+        said = [("nodes", _by_axis(f"{number(low)} .. {number(high)}" for low, high in ends))]
+        if many_reactions:
+            said.append(("reactions", f"sum {_by_axis(map(number, pulls.sum(axis=0)))}"))
+        yield fields(said)
+    else:
+        yield _vectors("node", names, X)
+    if len(pulls) and not many_reactions:
+        yield _vectors("reaction", reactions, pulls)
+    yield _elements(result) if full or result.source.element_count <= FEW else _groups(result)
 
 
 def _facts(result: Result) -> Iterator[tuple[str, str]]:
@@ -110,38 +107,19 @@ def _listed(analysis: dict[str, Any], key: str, count_key: str, singular: str, p
     return [f"{count(total, singular, plural)} ({named}{more})"]
 
 
-def _nodes(result: Result, full: bool) -> Iterator[RenderableType]:
-    X = result.coordinates
-    ends = zip(X.min(axis=0), X.max(axis=0), strict=True)
-    if full or len(X) <= FEW:
-        yield from _vectors("node", result.source.node_names, X)
-    else:
-        yield fields([("nodes", _by_axis(f"{number(low)} .. {number(high)}" for low, high in ends))])
-
-
-def _reactions(result: Result, full: bool) -> Iterator[RenderableType]:
-    reactions = result.reactions
-    values = np.array(list(reactions.values()))
-    if full or len(values) <= FEW:
-        yield Text("")
-        yield from _vectors("reaction", reactions, values)
-    else:
-        yield fields([("reactions", f"sum {_by_axis(map(number, values.sum(axis=0)))}")])
-
-
-def _vectors(title: str, names: Iterable[str], values: np.ndarray) -> Iterator[RenderableType]:
+def _vectors(title: str, names: Iterable[str], values: np.ndarray) -> Aligned:
     axes = zip("xyz", values.T.tolist(), strict=False)
-    return aligned([_names(title, names), *(Column(axis, numbers(own), True) for axis, own in axes)])
+    return Aligned([_names(title, names), *(Column(axis, numbers(own), True) for axis, own in axes)])
 
 
 def _by_axis(texts: Iterable[str]) -> str:
     return ", ".join(f"{axis} {text}" for axis, text in zip("xyz", texts, strict=False))
 
 
-def _elements(result: Result) -> Iterator[RenderableType]:
+def _elements(result: Result) -> Aligned:
     s, names, groups = result.structure, result.source.node_names, result.source.groups
     slack = ["slack" if slack else "" for slack in result.slack.tolist()]
-    return aligned(
+    return Aligned(
         [
             _names("element", (group.name for group in groups for _ in group.EA)),
             Column("kind", [group.kind for group in groups for _ in group.EA]),
@@ -156,10 +134,10 @@ def _elements(result: Result) -> Iterator[RenderableType]:
     )
 
 
-def _groups(result: Result) -> Iterator[RenderableType]:
+def _groups(result: Result) -> Aligned:
     groups = result.groups
     slack = column("slack", (entry["slack"] for entry in groups.values()))
-    return aligned(
+    return Aligned(
         [
             _names("group", groups),
             Column("kind", [group.kind for group in result.source.groups]),

@@ -4,9 +4,9 @@ import io
 import math
 import os
 from bisect import bisect_right
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import accumulate, repeat
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from rich.cells import cell_len
 from rich.console import Console, ConsoleOptions, RenderableType
@@ -32,6 +32,8 @@ VERDICTS = {
 }
 """Verdict -> how it is said, and its colour."""
 
+_STABILITY = {True: "stable", False: "not stable", None: "-"}
+
 _WIDE = 10_000  # a pipe has no width: nothing is wrapped there
 _DIGITS = 6
 
@@ -45,8 +47,26 @@ class Column(NamedTuple):
     styles: Sequence[str] = ()
 
 
+def column(
+    title: str, values: Iterable[Any], text: Callable[[Any], str] = str, to_the_right: bool = True
+) -> Column:
+    """Return a column of values as texts, a dash where one is lacking."""
+    return Column(title, ["-" if value is None else text(value) for value in values], to_the_right)
+
+
+def verdicts(values: Iterable[str]) -> Column:
+    """Return a column of verdicts in words and colours."""
+    told = [verdict_words(value) for value in values]
+    return Column("verdict", [words for words, _ in told], styles=[style for _, style in told])
+
+
+def stabilities(values: Iterable[bool | None]) -> Column:
+    """Return a column that tells which equilibria are stable."""
+    return Column("stability", [_STABILITY[value] for value in values])
+
+
 def rendered(parts: Iterable[RenderableType], terminal: bool, colour: bool | None = None) -> str:
-    """Return styled text as one string; words and tables wrap at a terminal's width, and nowhere else.
+    """Return a page as one string, its parts a blank line apart; only a terminal's width wraps it.
 
     colour : whether to write escape sequences; None: for a terminal that can, unless NO_COLOR is set
 
@@ -62,23 +82,20 @@ def rendered(parts: Iterable[RenderableType], terminal: bool, colour: bool | Non
         no_color=not colour,
         width=None if terminal else _WIDE,
     )
-    for part in parts:
+    for number, part in enumerate(parts):
+        if number:
+            console.print()
         console.print(part, crop=False)
     return "".join(f"{line.rstrip(' ')}\n" for line in out.getvalue().splitlines())
 
 
-def wrapped(text: str, *, terminal: bool, colour: bool | None = None) -> str:
-    """Return a text wrapped at a terminal's width."""
-    return rendered([Text(text)], terminal, colour)
-
-
-class _Aligned:
+class Aligned:
     """Titles, then rows, in columns as wide as their widest cells; on a narrow screen, some below the others.
 
     keys : how many columns name a row, and stand before every block of the others
     """
 
-    def __init__(self, columns: Iterable[Column], keys: int):
+    def __init__(self, columns: Iterable[Column], keys: int = 1):
         padded = list(map(_padded, columns))
         self.keys, self.others = padded[:keys], padded[keys:]
 
@@ -92,11 +109,6 @@ class _Aligned:
             if not rest:
                 return
             yield Text("")
-
-
-def aligned(columns: Iterable[Column], keys: int = 1) -> Iterator[_Aligned]:
-    """Yield a table: its titles, then its rows; its first columns, the keys, name the rows."""
-    yield _Aligned(columns, keys)
 
 
 def _width(column: Column) -> int:
@@ -175,11 +187,6 @@ def duration(seconds: float) -> str:
     if seconds < 1.0:
         return f"{1000 * seconds:.3g} ms"
     return f"{seconds:.3g} s" if seconds < 120.0 else f"{seconds / 60:.3g} min"
-
-
-def count(number: int, singular: str, plural: str = "") -> str:
-    """Return "no cables", "1 cable" or "2 cables"."""
-    return f"{number or 'no'} {singular if number == 1 else plural or singular + 's'}"
 
 
 def clean(text: str) -> str:

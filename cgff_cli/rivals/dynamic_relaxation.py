@@ -10,8 +10,7 @@ stiffness does not change; where peaks no longer fall the masses are too small f
 import numpy as np
 
 from cgff_cli.mechanics.state import State
-from cgff_cli.rivals.task import End, Task, Unknowns
-from cgff_cli.rivals.trace import Trace
+from cgff_cli.rivals.task import End, Task, Trace, Unknowns
 
 LIGHTEST = 1.5
 """First mass over a node's total stiffness: three times the least that a constant stiffness asks for."""

@@ -24,8 +24,7 @@ from cgff_cli.errors import CgffError
 from cgff_cli.mechanics.connectivity import dense
 from cgff_cli.mechanics.equilibrium import equilibrium_matrix, force_density_matrix
 from cgff_cli.rivals.symmetry import member_classes
-from cgff_cli.rivals.task import End, Task
-from cgff_cli.rivals.trace import Trace
+from cgff_cli.rivals.task import End, Task, Trace
 from cgff_cli.structure import Structure
 
 NULL = 1e-13

@@ -1,13 +1,21 @@
-"""All methods that `compare` knows, by their names in its output; CGFF's own first."""
+"""All methods that `compare` knows, by their names in its output; here stand those of CGFF itself."""
 
+from collections.abc import Iterator
+from functools import partial
 from typing import NamedTuple
 
-from cgff_cli.rivals import own
+import numpy as np
+
 from cgff_cli.rivals.dynamic_relaxation import dynamic_relaxation
 from cgff_cli.rivals.fdm import fdm
 from cgff_cli.rivals.schek import schek
-from cgff_cli.rivals.scipy_solvers import fsolve, fsolve_fd, lbfgs, lm
-from cgff_cli.rivals.task import Rival
+from cgff_cli.rivals.scipy_solvers import fsolve, lbfgs, lm
+from cgff_cli.rivals.task import End, Rival, Task, Trace
+from cgff_cli.solvers.cgff import run_of
+from cgff_cli.solvers.descent import iterates
+from cgff_cli.solvers.rescues import onward
+from cgff_cli.solvers.run import Iterate
+from cgff_cli.solvers.table1 import TableOne
 
 
 class Entry(NamedTuple):
@@ -22,14 +30,38 @@ class Entry(NamedTuple):
     is_affine: bool = False
 
 
+def cgff(task: Task, trace: Trace, objective: str = "energy") -> End:
+    """Run CGFF on the energy, or on eq. (10), half the squared residual."""
+    run, _ = run_of(task.structure, task.options.merged({"objective": objective}))
+    X = _traced(trace, iterates(run, onward))
+    return End(X, str(run.verdict))
+
+
+def table1(task: Task, trace: Trace) -> End:
+    """Run the paper's Table I to the letter."""
+    run = TableOne(task.structure, task.options)
+    X = _traced(trace, run.iterates(), task.structure.coordinates.mean(axis=0))
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        return End(X, run.judged().value)
+
+
+def _traced(trace: Trace, path: Iterator[Iterate], origin: np.ndarray | float = 0.0) -> np.ndarray:
+    """Show every iterate to the trace; return the last shape about the centroid of the start."""
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        for iterate in path:
+            X = iterate.state.mechanics.shape(iterate.state.X) - origin
+            trace.add(iterate.number, iterate.evaluations, X)
+    return X
+
+
 REGISTRY = {
-    "cgff": Entry(own.cgff, judges_itself=True),
-    "cgff-residual": Entry(own.cgff_residual, judges_itself=True),
-    "table1": Entry(own.table1, judges_itself=True),
+    "cgff": Entry(cgff, judges_itself=True),
+    "cgff-residual": Entry(partial(cgff, objective="residual"), judges_itself=True),
+    "table1": Entry(table1, judges_itself=True),
     "fdm": Entry(fdm, judges_itself=True, is_affine=True),
     "schek": Entry(schek, judges_itself=True),
     "fsolve": Entry(fsolve),
-    "fsolve-fd": Entry(fsolve_fd),
+    "fsolve-fd": Entry(partial(fsolve, with_jacobian=False)),
     "lm": Entry(lm),
     "lbfgs": Entry(lbfgs),
     "dr": Entry(dynamic_relaxation),

@@ -11,8 +11,7 @@ from cgff_cli.errors import CgffError
 from cgff_cli.mechanics.connectivity import DENSE_ENTRIES, dense
 from cgff_cli.mechanics.equilibrium import force_density_matrix
 from cgff_cli.mechanics.pattern import GraphPattern
-from cgff_cli.rivals.task import End, Task, centred
-from cgff_cli.rivals.trace import Trace
+from cgff_cli.rivals.task import End, Task, Trace, centred
 from cgff_cli.structure import Structure
 
 SINGULAR = 1e-12

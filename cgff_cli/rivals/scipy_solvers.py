@@ -12,8 +12,7 @@ import numpy as np
 from cgff_cli.errors import CgffError
 from cgff_cli.mechanics.pattern import TangentPattern
 from cgff_cli.mechanics.state import State
-from cgff_cli.rivals.task import End, Task, Unknowns
-from cgff_cli.rivals.trace import Trace
+from cgff_cli.rivals.task import End, Task, Trace, Unknowns
 
 MOST_DENSE = 2000
 """Unknowns up to which a dense Jacobian, and its QR factors in every step, are worth having."""
@@ -26,7 +25,10 @@ ENDLESS = 1_000_000
 
 
 def fsolve(task: Task, trace: Trace, with_jacobian: bool = True) -> End:
-    """Run scipy.optimize.fsolve; an iteration is an evaluation of the residual, one trial step each."""
+    """Run scipy.optimize.fsolve, without a Jacobian by finite differences.
+
+    An iteration is an evaluation of the residual: a trial step, or a difference.
+    """
     from scipy.optimize import fsolve as minpack
 
     system = System(task, trace)
@@ -37,11 +39,6 @@ def fsolve(task: Task, trace: Trace, with_jacobian: bool = True) -> End:
         system.residual, system.start, fprime=jacobian, xtol=TIGHT, maxfev=ENDLESS, full_output=True
     )
     return system.ended(x, message)
-
-
-def fsolve_fd(task: Task, trace: Trace) -> End:
-    """Run it without a Jacobian, by finite differences; their evaluations count as iterations too."""
-    return fsolve(task, trace, with_jacobian=False)
 
 
 def lm(task: Task, trace: Trace) -> End:

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cgff_cli.scene import fields
-from cgff_cli.scene.columns import CellColumn
-from cgff_cli.scene.fields import HUGE, LEAST_SIZE, found
+from cgff_cli.scene.fields import HUGE, LEAST_SIZE, CellColumn, found
 from cgff_cli.scene.findings import Findings, Where, quoted
 from cgff_cli.scene.keys import check_keys
 from cgff_cli.scene.nodes import Nodes
@@ -141,7 +140,8 @@ def _check_kinds(groups: Sequence[str], kinds: CellColumn) -> None:
             message = f"must be cable or strut, got {quoted(kind) if kind else 'nothing'}"
             kinds.add(row, message, alike=message)
         elif of_group.setdefault(group, kind) != kind:
-            kinds.add_bare(row, f"group {quoted(group)} is of kind {of_group[group]} above, here {kind}")
+            message = f"group {quoted(group)} is of kind {of_group[group]} above, here {kind}"
+            kinds.add(row, message, bare=True)
 
 
 def _split(
@@ -169,7 +169,7 @@ def _joined(ends: CellColumn, nodes: Nodes | None) -> np.ndarray | None:
     for i in twins:
         message = f"node {quoted(str(ends.values[i]))} is joined to itself"
         if ends.cells:
-            ends.add_bare(i + 1, message)
+            ends.add(i + 1, message, bare=True)
         else:
             ends.findings.add(ends.where(i)[:-1], message)
     if rows is None and nodes:

@@ -1,12 +1,18 @@
-"""Single fields: what was found in one, and why it is no number, name, word or mapping.
+"""Values, singly and in columns: what was found in one, and why it is no number, name, word or mapping.
 
-Values may come from YAML (`Plain` or quoted text), from JSON or from Python.
+Values may come from YAML (`Plain` or quoted text), from JSON or from Python. A list or mapping of any of them
+is a column, and so is a column of a CSV table. Whole columns are judged at once; only what is wrong is looked
+at singly, and has its place worked out.
 """
 
 import math
 import re
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
+from cgff_cli.errors import OptionError
 from cgff_cli.scene.findings import Findings, Where, quoted
 from cgff_cli.values import LONGEST, Rule, as_number
 
@@ -16,6 +22,7 @@ LEAST_SIZE = 1e-30
 of ten quantities of the scene, and must stay inside the range of doubles, 1e308."""
 
 NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+_NUMBER_CHARACTERS = b"0123456789+-.eE"
 _NOT_FINITE = ("nan", "inf", "infinity")
 _NOT_IN_NAMES = "[^\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]"
 
@@ -88,6 +95,11 @@ def mapping(findings: Findings, where: Where, value: object, content: str) -> di
     return None
 
 
+def optional(findings: Findings, where: Where, value: object, content: str) -> dict[str, Any] | None:
+    """Return a mapping that may be left out."""
+    return {} if is_absent(value) else mapping(findings, where, value, content)
+
+
 def one_of(
     findings: Findings, where: Where, value: object, allowed: tuple[str, ...], explained: str
 ) -> str | None:
@@ -99,6 +111,22 @@ def one_of(
     return None
 
 
+def ruled(
+    findings: Findings, where: Where, values: Mapping[str, Any], rules: Mapping[str, Rule]
+) -> dict[str, Any]:
+    """Return the values that rules speak of, each in its own type, and record those they do not allow."""
+    allowed: dict[str, Any] = {}
+    for key in (key for key in values if key in rules):
+        if isinstance(values[key], (list, dict)):
+            findings.add((*where, key), f"must be one value, got {found(values[key])}")
+            continue
+        try:
+            allowed[str(key)] = rules[key].checked(key, option_value(values[key]))
+        except OptionError as error:
+            findings.add((*where, key), str(error).removeprefix(f"{key} "))
+    return allowed
+
+
 def option_value(value: object) -> object:
     """Return a number where the text of an option is one, else the value as it is."""
     if isinstance(value, Plain) and NUMBER.fullmatch(value):
@@ -107,3 +135,89 @@ def option_value(value: object) -> object:
         number = as_number(value)
         return None if number is None else float(number)
     return str(value)[:60] if isinstance(value, str) else value
+
+
+class CellColumn:
+    """A column of a scene, read as numbers, as names or as ends of elements.
+
+    where  : leads from a row to its value
+    at_key : the values are keys
+    cells  : the values are cells of a table: text without quotes, whatever its type
+    """
+
+    def __init__(
+        self,
+        findings: Findings,
+        values: Sequence[Any],
+        where: Callable[[int], Where],
+        at_key: bool = False,
+        cells: bool = False,
+    ):
+        self.findings = findings
+        self.values = values
+        self.where = where
+        self.at_key = at_key
+        self.cells = cells
+
+    def add(self, row: int, message: str, alike: object = None, bare: bool = False) -> None:
+        """Record a problem of a value; bare: that of a cell without the name of its column."""
+        add = self.findings.add_key if self.at_key or (self.cells and bare) else self.findings.add
+        add(self.where(row), message, alike=alike)
+
+    def numbers(self, rule: Rule) -> np.ndarray | None:
+        """Return the numbers of a column, recording every value that is none or out of its range."""
+        numbers = self._at_once()
+        if numbers is None:
+            numbers = np.array([self._double(value) for value in self.values], dtype=float)
+        wrong = np.flatnonzero(~rule.fits(numbers)).tolist()
+        for row in wrong:
+            value = Plain(self.values[row]) if self.cells else self.values[row]
+            field = next((step for step in reversed(self.where(row)) if isinstance(step, str)), "")
+            zeros = ("zeros", field) if numbers[row] == 0.0 else None
+            self.add(row, number_fault(value, rule, self.cells) or "", alike=zeros)
+        return None if wrong else numbers
+
+    def _at_once(self) -> np.ndarray | None:
+        """Return the numbers of a column, or None where a value is none."""
+        kinds = set(map(type, self.values))
+        if self.cells or kinds == {Plain}:
+            return _text_numbers(self.values)
+        if not kinds <= {int, float}:
+            return None
+        try:
+            return np.array(self.values, dtype=float)
+        except OverflowError:
+            return None
+
+    def _double(self, value: object) -> float:
+        """Return a value as a number, nan where it is none."""
+        if isinstance(value, Plain) or self.cells:
+            return float(str(value)) if NUMBER.fullmatch(str(value)) else np.nan
+        number = as_number(value)
+        return np.nan if number is None else float(number)
+
+    def names(self) -> Sequence[str | None]:
+        """Return the names of a column, None for every value that can be none, which is recorded."""
+        values, kinds = self.values, set(map(type, self.values))
+        short = kinds <= {str, Plain} and all(values) and max(map(len, values), default=0) <= LONGEST
+        if short and "".join(values).isprintable():
+            return list(map(str, values)) if Plain in kinds else values
+        read: list[str | None] = []
+        for row, value in enumerate(values):
+            fault = name_fault(value)
+            if fault:
+                self.add(row, fault)
+            read.append(None if fault else str(value))
+        return read
+
+
+def _text_numbers(texts: Sequence[str]) -> np.ndarray | None:
+    """Return the numbers of texts, or None where one is no number."""
+    if texts and texts.count(texts[0]) == len(texts):
+        return np.full(len(texts), float(texts[0])) if NUMBER.fullmatch(texts[0]) else None
+    try:
+        if "".join(texts).encode().translate(None, _NUMBER_CHARACTERS):
+            return None
+        return np.fromiter(map(float, texts), float, len(texts))
+    except ValueError:  # also where a text holds half a character
+        return None

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from itertools import islice
 from typing import Any
 
-from cgff_cli.scene.brackets import CLOSING, Brackets
 from cgff_cli.scene.fields import Plain
 from cgff_cli.scene.findings import Mark, Where
 from cgff_cli.scene.keys import Holed
@@ -14,8 +13,8 @@ from cgff_cli.scene.keys import Holed
 _QUOTED = r'"(?:[^"\\]++|\\.)*+"'
 _FLAT = rf'\[(?:[^][{{}}"]++|{_QUOTED})*+\]'
 _MEMBER = re.compile(rf'[\s,]*+(?:({_QUOTED})\s*+:\s*+)?+({_FLAT}|{_QUOTED}|[^][{{}}",\s]++|[{{\[])')
-_TO_BRACKET = re.compile(rf'(?:[^][{{}}"]++|{_QUOTED}|{_FLAT})*+([][{{}}])')
 _WORD = re.compile(r'[^][{}",\s]*')
+_TO_BRACKET = re.compile(rf'(?:[^][{{}}"]++|{_QUOTED}|{_FLAT})*+([][{{}}])')
 _FEW = 50  # members of a list that are found anew each time rather than kept: there may be a million lists
 
 
@@ -100,20 +99,13 @@ class MembersInText:
                 at = _end(self._text, value)
 
 
-def json_brackets(text: str, at: int, end: int) -> Brackets:
-    """Yield (offset, bracket) of every bracket of a JSON text but those of lists without lists inside."""
-    while (bracket := _TO_BRACKET.match(text, at, end)) is not None:
-        at = bracket.end()
-        yield at - 1, text[at - 1]
-
-
 def _end(text: str, at: int) -> int:
     """Return where the mapping or list ends that begins at an offset."""
     depth = 0
-    for offset, mark in json_brackets(text, at, len(text)):
-        depth += 1 if mark in CLOSING else -1
+    for bracket in _TO_BRACKET.finditer(text, at):
+        depth += 1 if bracket.group(1) in "[{" else -1
         if depth == 0:
-            return offset + 1
+            return bracket.end()
     return len(text)
 
 

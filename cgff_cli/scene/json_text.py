@@ -8,11 +8,11 @@ import re
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from cgff_cli.scene.brackets import CLOSING, brackets, deeper, innermost
 from cgff_cli.scene.fields import Plain
 from cgff_cli.scene.findings import Mark, Where, quoted
-from cgff_cli.scene.json_places import Doubled, Places, has, json_brackets
+from cgff_cli.scene.json_places import Doubled, Places, has
 from cgff_cli.scene.located import DEPTH, in_rows, too_deep
+from cgff_cli.scene.yaml_text import CLOSING, brackets, deeper, innermost
 
 _CLOSES = re.compile(r"\s*([]}])")
 
@@ -128,7 +128,7 @@ def fault(text: str, error: json.JSONDecodeError) -> tuple[int, str]:
         return at, "comments are for scenes in YAML, behind #"
     if text.startswith("'", at):
         return at, "names and words stand in double quotes"
-    opened = innermost(json_brackets(text, 0, at))
+    opened = innermost(brackets(text, 0, at))
     closing = text[at : at + 1] if text[at:].strip() else ""
     if opened is not None and closing in ("", *"]}") and closing != CLOSING[text[opened]]:
         return opened, f"the {text[opened]!r} opened here is not closed"

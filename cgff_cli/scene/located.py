@@ -47,18 +47,22 @@ class FormError(Exception):
 class Document:
     """A text's values, the place of each, and the faults of its form.
 
+    Made of its events: the one place that knows aliases, tags, duplicates and depth.
+
     value  : dict, list or text; None where the text could not be read to its end
     faults : (place, message) of everything that is wrong with the form
     """
 
     def __init__(self, events: Iterator[Any]):
-        composer = _Composer(events)
         self.value: Any = None
-        self.faults = composer.faults
+        self.faults: list[tuple[Mark, str]] = []
+        self.whole = True
+        self._events = events
         self._tree: Tree = (1, 1)
+        self._anchors: dict[str, tuple[Any, Tree, int] | None] = {}
+        self._count = self._aliased = 0
         try:
-            self.value, self._tree = composer.document()
-            self.whole = True
+            self.value, self._tree = self._root()
         except FormError as stop:
             self.whole = False
             self.faults.append((stop.at, str(stop)))
@@ -78,6 +82,90 @@ class Document:
         if at_key and key:
             return key
         return tree.at if isinstance(tree, Branch) else tree
+
+    def _root(self) -> tuple[Any, Tree]:
+        """Return the only document of a stream."""
+        next(self._events)
+        if type(next(self._events)).__name__ == "StreamEndEvent":
+            raise FormError((1, 1), _EMPTY)
+        root = self._node(next(self._events), (), 1)
+        next(self._events)
+        event = next(self._events)
+        if type(event).__name__ == "DocumentStartEvent":
+            self.faults.append((_at(event), "a second document starts here; a scene file holds one"))
+        return root
+
+    def _node(self, event: Any, where: Where, depth: int) -> tuple[Any, Tree]:
+        kind = type(event).__name__
+        if kind == "AliasEvent":
+            return self._alias(event)
+        if event.tag is not None:
+            self._tag(event, where)
+        if kind == "ScalarEvent":
+            node: tuple[Any, Tree] = (event.value if event.style else Plain(event.value), _at(event))
+            size = 1
+        else:
+            if depth > DEPTH:
+                raise FormError(_at(event), f"nested deeper than {DEPTH} levels")
+            before = self._count
+            if event.anchor is not None:
+                self._anchors[event.anchor] = None
+            read = self._mapping if kind == "MappingStartEvent" else self._sequence
+            node = read(Branch(_at(event)), where, depth)
+            size = self._count - before + 1
+        self._count += 1
+        if event.anchor is not None:
+            self._anchors[event.anchor] = (*node, size)
+        return node
+
+    def _sequence(self, branch: Branch, where: Where, depth: int) -> tuple[list[Any], Branch]:
+        values: list[Any] = []
+        for event in self._events:
+            if type(event).__name__ == "SequenceEndEvent":
+                break
+            index = len(values)
+            value, branch.members[index] = self._node(event, (*where, index), depth + 1)
+            values.append(value)
+        return values, branch
+
+    def _mapping(self, branch: Branch, where: Where, depth: int) -> tuple[dict[str, Any], Branch]:
+        values: dict[str, Any] = {}
+        wrong: list[tuple[Hashable, Mark, str]] = []
+        missed = 0
+        for event in self._events:
+            if type(event).__name__ == "MappingEndEvent":
+                break
+            key, _ = self._node(event, where, depth + 1)
+            at = _at(event)
+            name = key if isinstance(key, str) else "?"
+            value, tree = self._node(next(self._events), (*where, name), depth + 1)
+            fault = _key_fault(key, value, branch)
+            if fault:
+                wrong.append(((fault.partition("'")[0], len(values)), at, fault))
+                missed += _brought(value) if key == "<<" else 1
+            else:
+                values[key], branch.keys[key], branch.members[key] = value, at, tree
+        self.faults += in_rows(where, wrong)
+        return Holed(values, missed) if missed else values, branch
+
+    def _alias(self, event: Any) -> tuple[Any, Tree]:
+        name = event.anchor
+        if name not in self._anchors:
+            raise FormError(_at(event), f"alias *{name} has no anchor &{name} before it")
+        known = self._anchors[name]
+        if known is None:
+            raise FormError(_at(event), f"alias *{name} stands inside its own anchor")
+        value, tree, size = known
+        self._count += size
+        self._aliased += size
+        if self._aliased > ALIASED:
+            raise FormError(_at(event), f"aliases stand for more than {ALIASED} values; write them out")
+        return value, tree
+
+    def _tag(self, event: Any, where: Where) -> None:
+        tag = event.tag.replace("tag:yaml.org,2002:", "!!")
+        message = f"tags are not allowed, found {quoted(tag)}"
+        self.faults.append((_at(event), labelled(label(where), message)))
 
 
 def too_deep(value: Any) -> bool:
@@ -111,108 +199,9 @@ def _at(event: Any) -> Mark:
     return mark.line + 1, mark.column + 1
 
 
-class _Composer:
-    """Events -> (value, tree); the one place that knows aliases, tags, duplicates and depth."""
-
-    def __init__(self, events: Iterator[Any]):
-        self.events = events
-        self.faults: list[tuple[Mark, str]] = []
-        self.anchors: dict[str, tuple[Any, Tree, int] | None] = {}
-        self.count = 0
-        self.aliased = 0
-
-    def document(self) -> tuple[Any, Tree]:
-        """Return the only document of a stream."""
-        next(self.events)
-        if type(next(self.events)).__name__ == "StreamEndEvent":
-            raise FormError((1, 1), _EMPTY)
-        root = self._node(next(self.events), (), 1)
-        next(self.events)
-        event = next(self.events)
-        if type(event).__name__ == "DocumentStartEvent":
-            self.faults.append((_at(event), "a second document starts here; a scene file holds one"))
-        return root
-
-    def _node(self, event: Any, where: Where, depth: int) -> tuple[Any, Tree]:
-        kind = type(event).__name__
-        if kind == "AliasEvent":
-            return self._alias(event)
-        if event.tag is not None:
-            self._tag(event, where)
-        if kind == "ScalarEvent":
-            node: tuple[Any, Tree] = (_scalar(event), _at(event))
-            size = 1
-        else:
-            if depth > DEPTH:
-                raise FormError(_at(event), f"nested deeper than {DEPTH} levels")
-            before = self.count
-            if event.anchor is not None:
-                self.anchors[event.anchor] = None
-            read = self._mapping if kind == "MappingStartEvent" else self._sequence
-            node = read(Branch(_at(event)), where, depth)
-            size = self.count - before + 1
-        self.count += 1
-        if event.anchor is not None:
-            self.anchors[event.anchor] = (*node, size)
-        return node
-
-    def _sequence(self, branch: Branch, where: Where, depth: int) -> tuple[list[Any], Branch]:
-        values: list[Any] = []
-        for event in self.events:
-            if type(event).__name__ == "SequenceEndEvent":
-                break
-            index = len(values)
-            value, branch.members[index] = self._node(event, (*where, index), depth + 1)
-            values.append(value)
-        return values, branch
-
-    def _mapping(self, branch: Branch, where: Where, depth: int) -> tuple[dict[str, Any], Branch]:
-        values: dict[str, Any] = {}
-        wrong: list[tuple[Hashable, Mark, str]] = []
-        missed = 0
-        for event in self.events:
-            if type(event).__name__ == "MappingEndEvent":
-                break
-            key, _ = self._node(event, where, depth + 1)
-            at = _at(event)
-            name = key if isinstance(key, str) else "?"
-            value, tree = self._node(next(self.events), (*where, name), depth + 1)
-            fault = _key_fault(key, value, branch)
-            if fault:
-                wrong.append(((fault.partition("'")[0], len(values)), at, fault))
-                missed += _brought(value) if key == "<<" else 1
-            else:
-                values[key], branch.keys[key], branch.members[key] = value, at, tree
-        self.faults += in_rows(where, wrong)
-        return Holed(values, missed) if missed else values, branch
-
-    def _alias(self, event: Any) -> tuple[Any, Tree]:
-        name = event.anchor
-        if name not in self.anchors:
-            raise FormError(_at(event), f"alias *{name} has no anchor &{name} before it")
-        known = self.anchors[name]
-        if known is None:
-            raise FormError(_at(event), f"alias *{name} stands inside its own anchor")
-        value, tree, size = known
-        self.count += size
-        self.aliased += size
-        if self.aliased > ALIASED:
-            raise FormError(_at(event), f"aliases stand for more than {ALIASED} values; write them out")
-        return value, tree
-
-    def _tag(self, event: Any, where: Where) -> None:
-        tag = event.tag.replace("tag:yaml.org,2002:", "!!")
-        message = f"tags are not allowed, found {quoted(tag)}"
-        self.faults.append((_at(event), labelled(label(where), message)))
-
-
 def _brought(value: Any) -> int:
     """Return how many keys a merge key would have brought."""
     return sum(map(len, value if isinstance(value, list) else [value]))
-
-
-def _scalar(event: Any) -> str:
-    return event.value if event.style else Plain(event.value)
 
 
 def _key_fault(key: object, value: object, branch: Branch) -> str | None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from importlib import import_module
+from shlex import quote
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,8 +11,27 @@ from cgff_cli.errors import OptionError
 from cgff_cli.hints import meant_or_all
 from cgff_cli.scene.equilibrium import Equilibrium, realised
 from cgff_cli.scene.families import FAMILIES
-from cgff_cli.scene.parameters import Parameter, parameters_of
 from cgff_cli.scene.scene import Scene
+from cgff_cli.values import Rule
+
+_SMALLEST, _LARGEST = 1e-12, 1e12  # of a length, a force or a count of a family
+
+
+class Parameter(NamedTuple):
+    """One keyword of a family's function; a default of None is explained by its help."""
+
+    name: str
+    default: Any
+    rule: Rule
+
+    @property
+    def flag(self) -> str:
+        """The name as a command-line flag."""
+        return f"--{self.name.replace('_', '-')}"
+
+    def checked(self, value: object) -> Any:
+        """Return a value in the parameter's type; raises OptionError saying what is allowed."""
+        return None if value is None and self.default is None else self.rule.checked(self.name, value)
 
 
 class Family(NamedTuple):
@@ -24,19 +44,12 @@ class Family(NamedTuple):
     examples: tuple[str, ...]
 
 
-class Made(NamedTuple):
-    """A scene and what its file says about it: what it is, what made it, the answer if known."""
-
-    scene: Scene
-    header: str
-
-
 def new(family: str, **parameters: object) -> Scene:
     """Return a scene of a family, such as `new("prism", sides=5, noise=0.1, seed=1)`.
 
     Parameters are those of the family and of `realised`; raises OptionError for a bad name or value.
     """
-    return make(family, parameters).scene
+    return make(family, parameters)[0]
 
 
 def find(name: str) -> Family:
@@ -44,11 +57,11 @@ def find(name: str) -> Family:
     if name not in FAMILIES:
         raise OptionError(f"unknown family {name!r}{meant_or_all(name, FAMILIES)}")
     module = import_module(f"cgff_cli.scene.families.{name.replace('-', '_')}")
-    own = parameters_of(module.equilibrium)
-    return Family(name, module.equilibrium, own, parameters_of(realised), module.EXAMPLES)
+    own = _parameters_of(module.equilibrium)
+    return Family(name, module.equilibrium, own, _parameters_of(realised), module.EXAMPLES)
 
 
-def make(name: str, given: Mapping[str, object]) -> Made:
+def make(name: str, given: Mapping[str, object]) -> tuple[Scene, str]:
     """Return the scene of a family with some parameters given, and its header."""
     family = find(name)
     known = family.own | family.common
@@ -61,11 +74,24 @@ def make(name: str, given: Mapping[str, object]) -> Made:
     scene = realised(target, **common)
     flags = [(known[key], values[key]) for key in known if key in values]
     exact = not target.added_loads and not values.get("jitter")
-    return Made(scene, _header(name, target, flags, exact))
+    return scene, _header(name, target, flags, exact)
+
+
+def _parameters_of(function: Callable[..., Any]) -> dict[str, Parameter]:
+    """Return the keyword-only parameters of a function annotated with rules, in order."""
+    found = {}
+    for name, default in (function.__kwdefaults__ or {}).items():
+        hint = function.__annotations__[name]
+        kind = next((kind for kind in (int, str) if hint.__origin__ in (kind, kind | None)), float)
+        rule = hint.__metadata__[0]
+        smallest = _SMALLEST if rule.positive else 0.0
+        rule = rule._replace(kind=kind, smallest=smallest, largest=_LARGEST)
+        found[name] = Parameter(name, default, rule)
+    return found
 
 
 def _header(name: str, target: Equilibrium, flags: list[tuple[Parameter, Any]], exact: bool) -> str:
-    said = "".join(f" {p.flag} {_word(value)}" for p, value in flags if value != p.default)
+    said = "".join(f" {p.flag} {quote(str(value))}" for p, value in flags if value != p.default)
     lines = [f"{target.title}.", f"Made by: cgff new {name}{said}", ""]
     if not exact:
         return "\n".join([*lines, "Rest lengths or loads are off the closed form: no answer is on paper."])
@@ -85,9 +111,3 @@ def _answer_table(target: Equilibrium) -> list[str]:
 def _span(values: np.ndarray) -> str:
     low, high = (f"{value:.10g}" for value in (values.min(), values.max()))
     return low if low == high else f"{low} .. {high}"
-
-
-def _word(value: object) -> str:
-    from shlex import quote
-
-    return quote(str(value))

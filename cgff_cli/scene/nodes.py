@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cgff_cli.scene import fields
-from cgff_cli.scene.columns import CellColumn
-from cgff_cli.scene.fields import HUGE, found
+from cgff_cli.scene.fields import HUGE, CellColumn, found
 from cgff_cli.scene.findings import Findings, Where, first_few, quoted
 from cgff_cli.scene.keys import lost
 from cgff_cli.values import Rule
@@ -60,7 +59,7 @@ class Nodes:
         """Return the rows of names in a column; each that is no node is kept until all are known."""
         for row, name in enumerate(names):
             if name is not None and name not in self.rows:
-                self._strangers.setdefault(name, []).append(partial(column.add_bare, row))
+                self._strangers.setdefault(name, []).append(partial(column.add, row, bare=True))
         return self.look_up(names)
 
     def look_up(self, names: Sequence[Any]) -> np.ndarray | None:
@@ -108,7 +107,7 @@ def _told_twice(table: "Table", names: CellColumn) -> None:
     for row, name in enumerate(names.values):
         if first.setdefault(name, row) != row and name:
             line = table.place(names.where(first[name]))[0]
-            names.add_bare(row, f"node {quoted(name)} is defined twice; first on line {line}")
+            names.add(row, f"node {quoted(name)} is defined twice; first on line {line}", bare=True)
 
 
 def _dimension(values: dict[str, Any]) -> int | None:

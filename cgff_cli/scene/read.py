@@ -8,9 +8,11 @@ from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from cgff_cli.errors import Problem, SceneError
-from cgff_cli.scene.findings import NOWHERE, Findings
-from cgff_cli.scene.located import Document, mark_of
+import numpy as np
+
+from cgff_cli.errors import CgffError, Problem, SceneError
+from cgff_cli.scene.findings import NOWHERE, Findings, Where, quoted
+from cgff_cli.scene.located import DEPTH, Document, mark_of
 from cgff_cli.scene.scene import Scene
 from cgff_cli.scene.schema import is_table, read_scene
 from cgff_cli.scene.text import decoded, read_text, reason
@@ -20,6 +22,9 @@ if TYPE_CHECKING:
     from cgff_cli.scene.json_text import JsonDocument
 
 STDIN = "<stdin>"
+
+PAPER = ("x-module", "hexagon", "prism")
+"""The paper's structures, in the order of its Tables II, III and IV."""
 
 
 def load(path: str | os.PathLike[str]) -> Scene:
@@ -100,13 +105,49 @@ def from_dict(mapping: Mapping[str, Any]) -> Scene:
 
     Raises SceneError with every problem found, each without a line.
     """
-    from cgff_cli.scene.python_values import plain_values
-
     findings = Findings()
-    scene = read_scene(findings, plain_values(findings, mapping), "<python>", "")
+    scene = read_scene(findings, _plain_values(findings, mapping), "<python>", "")
     if scene is None or not findings.none:
         raise SceneError(findings.problems("<python>", lambda where, at_key: NOWHERE))
     return scene
+
+
+def _plain_values(findings: Findings, value: object, where: Where = ()) -> Any:
+    """Return mappings as dicts with text keys, arrays and tuples as lists, numpy numbers as Python's.
+
+    Raises SceneError where they are nested too deep, as a list that holds itself is.
+    """
+    if len(where) > DEPTH:
+        raise SceneError([Problem("<python>", *NOWHERE, f"nested deeper than {DEPTH} levels")])
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, (list, tuple)):
+        return [_plain_values(findings, item, (*where, i)) for i, item in enumerate(value)]
+    if not isinstance(value, Mapping):
+        return value
+    result: dict[str, Any] = {}
+    for key, item in value.items():
+        name = str(key)
+        if name in result:
+            findings.add(where, f"duplicate key {quoted(name)}")
+        result[name] = _plain_values(findings, item, (*where, name))
+    return result
+
+
+def shipped(name: str) -> str:
+    """Return the path of a scene that comes with the program, such as "prism"; raises CgffError.
+
+    An installed package holds them in its own folder `structures`, a checkout beside the package.
+    """
+    package = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+    folders = [os.path.join(place, "structures") for place in (package, os.path.dirname(package))]
+    for folder in folders:
+        path = os.path.join(folder, f"{name}.yaml")
+        if os.path.isfile(path):
+            return path
+    raise CgffError(f"no scene {name}.yaml comes with this installation; looked in {' and '.join(folders)}")
 
 
 def _json(text: str, path: str) -> "JsonDocument | None":

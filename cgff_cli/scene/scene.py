@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -58,6 +59,16 @@ class Scene:
     def summary(self) -> dict[str, str | int]:
         """Name, path, law and dimension: which scene it is."""
         return {"name": self.name, "path": self.path, "law": self.law, "dimension": self.dimension}
+
+    @cached_property
+    def owners(self) -> np.ndarray:
+        """(b,) the number of each element's group."""
+        return np.repeat(np.arange(len(self.groups)), [len(group.EA) for group in self.groups])
+
+    @cached_property
+    def stiffness(self) -> np.ndarray:
+        """(b,) EA of every element, in order of groups."""
+        return np.concatenate([group.EA for group in self.groups])
 
     @property
     def element_count(self) -> int:

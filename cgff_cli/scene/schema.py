@@ -1,24 +1,23 @@
 """Plain values -> Scene: what a scene may say, block by block."""
 
 import os.path
-from collections.abc import Callable
+from collections.abc import Collection
 from functools import partial
-from typing import Any, TypeVar
+from itertools import chain
+from typing import Any
 
-from cgff_cli.errors import OptionError
-from cgff_cli.options import OPTIONS, checked
+from cgff_cli.hints import meant_or_all, nearest
+from cgff_cli.options import OPTIONS
 from cgff_cli.scene import elements, fields, nodes, physics
-from cgff_cli.scene.columns import CellColumn
-from cgff_cli.scene.fields import found, is_absent
-from cgff_cli.scene.findings import Findings, Where, quoted
-from cgff_cli.scene.indents import well_indented
-from cgff_cli.scene.keys import check_keys, lost
+from cgff_cli.scene.fields import CellColumn, found, is_absent
+from cgff_cli.scene.findings import Findings, quoted
+from cgff_cli.scene.keys import Holed, check_keys, lost
 from cgff_cli.scene.nodes import Nodes
 from cgff_cli.scene.scene import AXES, LAWS, Group, Scene
 
 SCENE_KEYS = ("name", "law", "nodes", "elements", "supports", "loads", "solver")
-T = TypeVar("T")
-Reader = Callable[[Any], T | None]
+OPTION_RULES = {name: option.metadata["rule"] for name, option in OPTIONS.items()}
+_BLOCKS = ("nodes", "elements", "supports", "loads")
 _LAWS_EXPLAINED = "paper (force = EA (l - l0)) or hooke (force = EA (l - l0) / l0)"
 _REQUIRED = {
     "law": f"; it must be {_LAWS_EXPLAINED}",
@@ -35,14 +34,14 @@ def read_scene(findings: Findings, value: object, path: str, base: str) -> Scene
     values = fields.mapping(findings, (), value, "with law, nodes and elements")
     if values is None:
         return None
-    values = well_indented(findings, values, SCENE_KEYS)
+    values = _without_sunken(findings, _without_spilt(findings, values, SCENE_KEYS), SCENE_KEYS)
     known = check_keys(findings, (), values, SCENE_KEYS, _REQUIRED)
-    law = _law(findings, values)
-    of_values: Any = partial(nodes.read_nodes, findings)
-    points = _block(findings, values, "nodes", base, of_values, nodes.nodes_of_table)
-    of_values = partial(elements.read_elements, findings, nodes=points, law=law)
-    of_table: Any = partial(elements.groups_of_table, nodes=points, law=law)
-    groups = _block(findings, values, "elements", base, of_values, of_table)
+    law = None
+    if "law" in values:
+        law = fields.one_of(findings, ("law",), values["law"], LAWS, _LAWS_EXPLAINED)
+    read = partial(_block, findings, values, base)
+    points: Nodes | None = read("nodes", nodes.read_nodes, nodes.nodes_of_table)
+    groups = read("elements", elements.read_elements, elements.groups_of_table, points, law)
     supports = _supports(findings, values.get("supports"), points)
     loads = _loads(findings, values.get("loads"), points)
     solver = _solver(findings, values.get("solver"))
@@ -65,6 +64,45 @@ def read_scene(findings: Findings, value: object, path: str, base: str) -> Scene
     return Scene(name, law, names, X, tuple(groups), supports, loads, solver, path, said, files)
 
 
+def _without_spilt(findings: Findings, values: dict[str, Any], keys: Collection[str]) -> dict[str, Any]:
+    """Take out empty blocks with the unknown keys behind them, which were meant to stand inside."""
+    spilt: dict[str, list[str]] = {}
+    block = ""
+    for key, value in values.items():
+        if key in keys or (block and block not in spilt and nearest(key, keys)):
+            block = key if key in _BLOCKS and is_absent(value) else ""
+        elif block:
+            spilt.setdefault(block, []).append(key)
+    for block, inside in spilt.items():
+        message = f"nothing belongs to {block}: indent what follows, from {quoted(inside[0])}"
+        findings.add_key((block,), message)
+    return _without(values, {*spilt, *chain.from_iterable(spilt.values())}, len(spilt))
+
+
+def _without_sunken(findings: Findings, values: dict[str, Any], keys: Collection[str]) -> dict[str, Any]:
+    """Take out keys of the scene that were indented into the block before them."""
+    for block in _BLOCKS:
+        inside = values.get(block)
+        if isinstance(inside, dict):
+            sunken = [key for key in keys if key not in values and _is_block(inside.get(key))]
+            for key in sunken:
+                findings.add_key((block, key), f"{key} belongs to the scene itself: indent it less")
+            if sunken:
+                values = Holed({**values, block: _without(inside, sunken)}, lost(values) + len(sunken))
+    return values
+
+
+def _is_block(value: object) -> bool:
+    """Return whether a value is a mapping, and not a group of elements that has the name of a block."""
+    return isinstance(value, dict) and not set(value) & set(elements.GROUP_KEYS)
+
+
+def _without(values: dict[str, Any], gone: Collection[str], more_lost: int = 0) -> dict[str, Any]:
+    if not gone:
+        return values
+    return Holed({key: value for key, value in values.items() if key not in gone}, lost(values) + more_lost)
+
+
 def _name(findings: Findings, value: object, path: str) -> str:
     if is_absent(value):
         return os.path.splitext(os.path.basename(path))[0].strip("<>") or "scene"
@@ -72,34 +110,22 @@ def _name(findings: Findings, value: object, path: str) -> str:
     return CellColumn(findings, [text], lambda _: ("name",)).names()[0] or ""
 
 
-def _law(findings: Findings, values: dict[str, Any]) -> str | None:
-    if "law" not in values:
-        return None
-    return fields.one_of(findings, ("law",), values["law"], LAWS, _LAWS_EXPLAINED)
-
-
-def _block(
-    findings: Findings, values: dict[str, Any], key: str, base: str, of_values: Reader[T], of_table: Reader[T]
-) -> T | None:
-    """Return what the mapping or the table of a block is read as."""
+def _block(findings: Findings, values: dict[str, Any], base: str, key: str, *readers: Any) -> Any:
+    """Return what a block is read as; readers: of a mapping, of a table, then what both are told besides."""
+    of_values, of_table, *known = readers
     if key not in values:
         return None
     if not is_table(values[key]):
-        return of_values(values[key])
+        return of_values(findings, values[key], *known)
     from cgff_cli.scene.tables import open_table
 
     table = open_table(findings, key, values[key], base)
-    return of_table(table) if table else None
+    return of_table(table, *known) if table else None
 
 
 def is_table(value: object) -> bool:
     """Tell whether a value names a CSV file."""
     return isinstance(value, str) and os.path.splitext(value)[1].lower() == ".csv"
-
-
-def _optional(findings: Findings, where: Where, value: object, content: str) -> dict[str, Any] | None:
-    """Return a mapping that may be left out."""
-    return {} if is_absent(value) else fields.mapping(findings, where, value, content)
 
 
 def _rows(findings: Findings, block: str, values: dict[str, Any], points: Nodes | None) -> list[int] | None:
@@ -113,7 +139,7 @@ def _rows(findings: Findings, block: str, values: dict[str, Any], points: Nodes 
 def _supports(findings: Findings, value: object, points: Nodes | None) -> dict[int, str] | None:
     """Return node row -> axes held, in the order x, y, z; None where any is wrong."""
     axes = AXES[: points.dimension] if points and points.dimension else AXES
-    values = _optional(findings, ("supports",), value, "of node names to axes such as xyz or z")
+    values = fields.optional(findings, ("supports",), value, "of node names to axes such as xyz or z")
     if values is None:
         return None
     rows = _rows(findings, "supports", values, points)
@@ -131,7 +157,7 @@ def _supports(findings: Findings, value: object, points: Nodes | None) -> dict[i
 
 def _loads(findings: Findings, value: object, points: Nodes | None) -> dict[int, tuple[float, ...]] | None:
     """Return node row -> force; None where any is wrong."""
-    values = _optional(findings, ("loads",), value, "of node names to forces")
+    values = fields.optional(findings, ("loads",), value, "of node names to forces")
     if not values:
         return None if values is None or lost(values) else {}
     forces = nodes.vectors(findings, ("loads",), values, points.dimension if points else None)
@@ -143,21 +169,10 @@ def _loads(findings: Findings, value: object, points: Nodes | None) -> dict[int,
 
 def _solver(findings: Findings, value: object) -> dict[str, object]:
     """Return the solve options a scene asks for, each checked like a command-line flag."""
-    values = _optional(findings, ("solver",), value, "of solve options to values")
-    options: dict[str, object] = {}
-    for key, setting in (values or {}).items():
-        where = ("solver", key)
-        if isinstance(setting, (list, dict)):
-            findings.add(where, f"must be one value, got {found(setting)}")
-            continue
-        try:
-            options[str(key)] = checked(str(key), fields.option_value(setting))
-        except OptionError as error:
-            if key in OPTIONS:
-                findings.add(where, str(error).removeprefix(f"{key} "))
-            else:
-                findings.add_key(where, str(error))
-    return options
+    values = fields.optional(findings, ("solver",), value, "of solve options to values") or {}
+    for key in [key for key in values if key not in OPTIONS]:
+        findings.add_key(("solver", key), f"unknown solve option {key!r}{meant_or_all(key, OPTIONS)}")
+    return fields.ruled(findings, ("solver",), values, OPTION_RULES)
 
 
 def _check_use(
@@ -167,4 +182,4 @@ def _check_use(
     for row in physics.isolated_nodes(len(names), physics.all_pairs(groups)).tolist():
         if row not in supports and row not in loads:
             message = f"no element joins node {quoted(names[row])}, and no support or load uses it"
-            points.names.add_bare(row, message)
+            points.names.add(row, message, bare=True)

@@ -10,7 +10,7 @@ from functools import cached_property
 from itertools import accumulate
 
 from cgff_cli.errors import SceneError
-from cgff_cli.scene.columns import CellColumn
+from cgff_cli.scene.fields import CellColumn
 from cgff_cli.scene.findings import NOWHERE, Findings, Mark, Where, quoted
 from cgff_cli.scene.keys import key_faults
 from cgff_cli.scene.text import read_text, reason
@@ -38,7 +38,7 @@ class Table:
         self._text = text
         self._begins = array("l")  # the line of every row, the header's first
         self._faults: list[tuple[Mark, str]] = []
-        self.findings = Findings(self._faults, self._label)
+        self.findings = Findings(self._faults, lambda where: str(where[1]) if len(where) > 1 else "")
         self.header: list[str] = []
         self.cells: list[str] = []
         self.ragged: dict[int, int] = {}
@@ -63,9 +63,6 @@ class Table:
                 begin = reader.line_num + 1
         except csv.Error as error:
             self._faults.append(((begin, 1), f"not valid CSV: {error}"))
-
-    def _label(self, where: Where) -> str:
-        return str(where[1]) if len(where) > 1 else ""
 
     @property
     def count(self) -> int:

@@ -3,8 +3,8 @@
 import csv
 import io
 from collections.abc import Iterable, Iterator
-
-import numpy as np
+from itertools import repeat
+from typing import Any
 
 from cgff_cli.scene.scene import Group, Scene
 
@@ -16,52 +16,30 @@ ELEMENT_HEADER = "start,end,group,kind,EA,rest_length\n"
 def node_table(scene: Scene) -> Iterator[str]:
     """Yield `name,x,y[,z]`, a row per node."""
     yield NODE_HEADER[: 6 + 2 * (scene.dimension - 1)] + "\n"
-    names = _cells(scene.node_names)
-    for first in range(0, len(names), _ROWS):
-        own = slice(first, first + _ROWS)
-        yield _lines(names[own], *(map(repr, axis) for axis in scene.coordinates[own].T.tolist()))
+    names = scene.node_names
+    for own in _slices(len(names)):
+        yield _lines(zip(names[own], *scene.coordinates[own].T.tolist(), strict=True))
 
 
 def element_table(scene: Scene) -> Iterator[str]:
     """Yield a row per element, in the scene's element order."""
     yield ELEMENT_HEADER
-    names = _cells(scene.node_names)
     for group in scene.groups:
-        for first in range(0, len(group.EA), _ROWS):
-            yield _element_lines(group, names, slice(first, first + _ROWS))
+        for own in _slices(len(group.EA)):
+            yield _lines(_rows(group, scene.node_names, own))
 
 
-def _element_lines(group: Group, names: list[str], own: slice) -> str:
-    ends = group.pairs[own].T.tolist()
-    count = len(ends[0])
-    return _lines(
-        *([names[row] for row in rows] for rows in ends),
-        _cells([group.name]) * count,
-        [group.kind] * count,
-        _numbers(group.EA[own]),
-        _numbers(group.rest_length[own]),
-    )
+def _rows(group: Group, names: tuple[str, ...], own: slice) -> Iterator[tuple[Any, ...]]:
+    ends = ([names[row] for row in rows] for rows in group.pairs[own].T.tolist())
+    numbers = (values[own].tolist() for values in (group.EA, group.rest_length))
+    return zip(*ends, repeat(group.name), repeat(group.kind), *numbers, strict=False)
 
 
-def _numbers(values: np.ndarray) -> Iterable[str]:
-    if np.all(values == values[0]):
-        return [repr(float(values[0]))] * len(values)
-    return map(repr, values.tolist())
+def _slices(count: int) -> Iterator[slice]:
+    return (slice(first, first + _ROWS) for first in range(0, count, _ROWS))
 
 
-def _lines(*columns: Iterable[str]) -> str:
-    return "\n".join(map(",".join, zip(*columns, strict=True))) + "\n"
-
-
-def _cells(texts: Iterable[str]) -> list[str]:
-    """Return texts as cells, in quotes where CSV needs them."""
-    return [_quoted(text) if set(text) & _SPECIAL else text for text in texts]
-
-
-_SPECIAL = frozenset(',"\r\n')
-
-
-def _quoted(text: str) -> str:
+def _lines(rows: Iterable[tuple[Any, ...]]) -> str:
     out = io.StringIO()
-    csv.writer(out, lineterminator="").writerow([text])
+    csv.writer(out, lineterminator="\n").writerows(rows)
     return out.getvalue()

@@ -1,7 +1,7 @@
 """YAML text -> its events, or what is wrong with its form.
 
 PyYAML finds the mistake and says it in words that depend on its version and on libyaml. The words here
-depend on nothing but the text.
+depend on nothing but the text. Brackets are those of YAML and JSON alike.
 """
 
 import re
@@ -9,9 +9,14 @@ from collections.abc import Iterator
 from contextlib import suppress
 from typing import Any
 
-from cgff_cli.scene.brackets import CLOSING, brackets, deeper, innermost
 from cgff_cli.scene.findings import quoted
 from cgff_cli.scene.located import DEPTH, FormError, mark_of
+
+_PARTS = re.compile(r"""(?<![^\s,:\[{])(?:"(?:[^"\\]|\\.)*"|'[^']*'|\#[^\n]*)|[][{}]""")
+CLOSING = {"[": "]", "{": "}"}
+_LEVELS = {"[": 1, "{": 1, "]": -1, "}": -1}
+
+Brackets = Iterator[tuple[int, str]]
 
 _NOT_TEXT = "[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 
@@ -169,3 +174,37 @@ def _quote_before(text: str, at: int) -> tuple[int, str] | None:
 def _words(error: Any) -> str:
     said = f"{error.context}: {error.problem}" if error.context else str(error.problem)
     return next((begin + end for begin, end in _ENDINGS.items() if said.startswith(begin)), said)
+
+
+def brackets(text: str, start: int, end: int) -> Brackets:
+    """Yield (offset, bracket) of every bracket outside quotes and comments."""
+    for part in _PARTS.finditer(text, start, end):
+        if part.group() in _LEVELS:
+            yield part.start(), part.group()
+
+
+def innermost(brackets: Brackets) -> int | None:
+    """Return the offset of the innermost bracket still open behind all, or closed by one of another kind.
+
+    None where the first one is closed before the end.
+    """
+    opened: list[tuple[int, str]] = []
+    for offset, mark in brackets:
+        if mark in CLOSING:
+            opened.append((offset, mark))
+            continue
+        if not opened or CLOSING[opened[-1][1]] != mark:
+            break
+        opened.pop()
+        if not opened:
+            return None
+    return opened[-1][0] if opened else None
+
+
+def deeper(brackets: Brackets, levels: int) -> int | None:
+    """Return the offset of the first bracket that opens more than so many levels, or None."""
+    for offset, mark in brackets:
+        levels -= _LEVELS[mark]
+        if levels < 0:
+            return offset
+    return None

@@ -1,19 +1,20 @@
-"""One case of a suite, and the scene that it describes."""
+"""One case of a suite: the scene that it describes, and what `solve` must make of it."""
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from cgff_cli.errors import CgffError, OptionError, Problem, SceneError
+from cgff_cli.result import Result
 from cgff_cli.scene.fields import is_absent, option_value
 from cgff_cli.scene.findings import Findings, Mark, Where
 from cgff_cli.scene.located import Plain
 from cgff_cli.scene.new import new
-from cgff_cli.scene.read import from_dict, load
+from cgff_cli.scene.read import from_dict, load, shipped
 from cgff_cli.scene.scene import Scene
 from cgff_cli.scene.schema import SCENE_KEYS, read_scene
-from cgff_cli.scene.shipped import shipped
+from cgff_cli.solvers.stopping import Verdict
 from cgff_cli.study.changes import CHANGES, chain, changed
 
 SOURCES = {
@@ -23,6 +24,22 @@ SOURCES = {
     "chain": ("chain",),
 }
 """Where a scene may come from unless it is written out -> the keys that belong to it."""
+
+
+REFUSED = "refused"
+"""Outcome of a scene that is no scene."""
+
+BALANCED = ("converged", "floor")
+"""First words of an outcome in balance, to the tolerance or to rounding; `balanced` stands for either."""
+
+STABILITIES = ("stable", "unstable", "neutral", "unjudged")
+
+OUTCOMES = (
+    REFUSED,
+    *(verdict.value for verdict in Verdict if not verdict.converged),
+    *(f"{word}-{kind}" for word in ("balanced", *BALANCED) for kind in STABILITIES),
+)
+"""Every word that an expected outcome can be."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,3 +124,25 @@ def _inline(case: Case) -> Scene:
     if scene is None or not findings.none:
         raise SceneError(findings.problems(case.path, lambda where, at: case.place(("scene", *where), at)))
     return scene
+
+
+def outcome(result: Result) -> str:
+    """Return how a result ended, in one word such as converged-stable or max_iterations."""
+    if not result.converged:
+        return result.verdict
+    word = "floor" if result.verdict == Verdict.ROUNDING_FLOOR else "converged"
+    return f"{word}-{result.analysis['stability'] or 'unjudged'}"
+
+
+def agrees(word: str, expected: str) -> bool:
+    """Return whether an outcome is the one expected."""
+    return word in {expected.replace("balanced", kind, 1) for kind in BALANCED}
+
+
+def as_expected(result: Result, expect: Mapping[str, Any]) -> bool | None:
+    """Return whether outcome, number of slack cables and warnings are those expected; None of nothing."""
+    if "outcome" not in expect:
+        return None
+    slack = result.analysis["slack_count"]
+    warned = "warns" not in expect or any(expect["warns"] in said for said in result.warnings)
+    return agrees(outcome(result), expect["outcome"]) and expect.get("slack", slack) == slack and warned

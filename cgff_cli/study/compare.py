@@ -3,8 +3,6 @@
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 
-import numpy as np
-
 from cgff_cli.errors import OptionError
 from cgff_cli.options import SolveOptions
 from cgff_cli.rivals.registry import REGISTRY
@@ -14,9 +12,8 @@ from cgff_cli.solvers import cgff
 from cgff_cli.solvers.stopping import Verdict
 from cgff_cli.structure import from_scene
 from cgff_cli.study.alignment import alignment_of
-from cgff_cli.study.judge import judged, solution_at
+from cgff_cli.study.judge import Attempt, attempted, judged, solution_at
 from cgff_cli.study.record import Comparison
-from cgff_cli.study.runs import Attempt, attempted
 
 TOLERANCE = 1e-12
 """Where all methods stop unless told otherwise: the last point of the curves."""
@@ -64,8 +61,8 @@ def compare(
             if observer is not None:
                 observer(name, number)
             runs[name].append(attempted(name, task, time_limit))
-    end = runs["cgff"][0].end
-    own = None if end is None else solution_at(task, end.X)
+    X = runs["cgff"][0].end.X
+    own = None if X is None else solution_at(task, X)
     rows = [judged(scene, task, name, runs[name], own if name != "cgff" else None) for name in names]
     asked = {"repeat": repeat, "time_limit": time_limit}
     return Comparison(scene, asked | options.to_dict(), task.best, tuple(rows))
@@ -88,5 +85,4 @@ def _task(scene: Scene, options: SolveOptions) -> Task:
     best = cgff.form_find(structure, replace(options, tolerance=FLOOR, objective="energy"))
     if best.verdict is Verdict.INTERRUPTED:
         raise KeyboardInterrupt
-    groups = np.repeat(np.arange(len(scene.groups)), [len(group.EA) for group in scene.groups])
-    return Task(structure, groups, options, best, alignment_of(best.shape, structure.free))
+    return Task(structure, scene.owners, options, best, alignment_of(best.shape, structure.free))

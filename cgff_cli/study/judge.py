@@ -1,23 +1,25 @@
-"""From where a method came to, the facts of its row: all methods by the same rules."""
+"""Running a method under the clock, and the facts of its row: all methods by the same rules."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from statistics import median
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
 from cgff_cli.analysis.equilibrium import analysed
+from cgff_cli.errors import CgffError
 from cgff_cli.mechanics.state import Mechanics
 from cgff_cli.rivals.registry import REGISTRY
-from cgff_cli.rivals.task import End, Task
-from cgff_cli.rivals.trace import TOLERANCES, AtResidual, AtShape
+from cgff_cli.rivals.task import TOLERANCES, AtResidual, AtShape, End, Stop, Task, Trace
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers.solution import Solution
-from cgff_cli.solvers.stopping import Verdict
-from cgff_cli.study.alignment import distance_difference, laid_over, largest_move, size
+from cgff_cli.solvers.stopping import Gauge, Verdict, Watch
+from cgff_cli.study.alignment import affinely, distance_difference, laid_over, largest_move, size
 from cgff_cli.study.record import Method
-from cgff_cli.study.runs import Attempt
+
+EVALUATIONS_PER_ITERATION = 50
+"""Evaluations a rival may take for every iteration that the option max_iterations gives CGFF."""
 
 CONVERGED = (Verdict.CONVERGED, Verdict.ROUNDING_FLOOR, "other_equilibrium")
 """Verdicts that stand for an equilibrium: of the scene, or of a method's own force densities."""
@@ -26,6 +28,44 @@ EXACT = 2.0**12
 """Rounding floors of force that a shape right to about 1e-12 of its size may leave out of balance."""
 
 At = TypeVar("At", AtResidual, AtShape)
+
+
+class Attempt(NamedTuple):
+    """One run: where it came to, how long it took, what it passed through."""
+
+    end: End
+    seconds: float
+    trace: Trace
+
+    @property
+    def tells_all(self) -> bool:
+        """Whether another run would add nothing: this one failed, or ran out of time."""
+        return self.end.verdict in ("failed", "time_limit")
+
+
+def attempted(name: str, task: Task, time_limit: float) -> Attempt:
+    """Run a method once; an error is a run that failed, and its words say how."""
+    entry, target, unit = REGISTRY[name], task.best.shape, size(task.best.shape)
+    mechanics = Mechanics(task.structure)
+    most = EVALUATIONS_PER_ITERATION * task.options.max_iterations
+    watch = None if entry.judges_itself else Watch(Gauge(mechanics), task.options.tolerance, most)
+
+    def distance(X: np.ndarray) -> float:
+        """Return the error in shape of (n, d) positions, over the structure's size."""
+        return largest_move(X if entry.is_affine else laid_over(X, target, task.alignment), target) / unit
+
+    trace = Trace(mechanics, watch, time_limit, distance)
+    if entry.is_affine:
+        trace.judged = lambda X: affinely(X, target)
+    try:
+        end = entry.run(task, trace)
+    except Stop as stop:
+        end = End(trace.X, stop.verdict)
+    except CgffError as error:
+        end = End(None, "failed", str(error))
+    except Exception as error:  # a rival of any make: its row says how it failed
+        end = End(None, "failed", f"{type(error).__name__}: {error}".rstrip(": "))
+    return Attempt(end, trace.seconds, trace)
 
 
 def solution_at(task: Task, X: np.ndarray) -> Solution:
@@ -41,9 +81,8 @@ def judged(scene: Scene, task: Task, name: str, runs: list[Attempt], cgff: Solut
     cgff : the answer that the method is held against, None for CGFF itself
     """
     end = runs[0].end
-    if end is None or not np.isfinite(end.X).all():
-        verdict = "failed" if end is None else end.verdict
-        return Method(name, verdict, False, runs[0].failure or "its shape has no finite size")
+    if end.X is None or not np.isfinite(end.X).all():
+        return Method(name, end.verdict, False, end.message or "its shape has no finite size")
     alignment = "affine" if REGISTRY[name].is_affine else task.alignment
     X = end.X if cgff is None else laid_over(end.X, cgff.shape, alignment)
     solution = solution_at(task, X if alignment == "affine" else end.X)

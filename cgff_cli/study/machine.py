@@ -7,30 +7,20 @@ its own, and hands them back as `known`. Work too small for a job by itself goes
 cut by number alone.
 """
 
+import json
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import islice
-from typing import Any, Generic, NamedTuple, Protocol, TypeVar, cast
+from typing import Any, NamedTuple
 
+from cgff_cli.errors import CgffError
 from cgff_cli.study.hands import hands
 
 Row = dict[str, Any]
 """One line of a table: plain values, or arrays, by name."""
 
 
-class Digested(Protocol):
-    """A job, for the machine: other than its digest it is the work's alone."""
-
-    @property
-    def digest(self) -> str:
-        """A word for all that its rows depend on, program and machine included where they do."""
-
-
-J = TypeVar("J", bound=Digested)
-R = TypeVar("R")
-
-
-class Done(NamedTuple, Generic[J, R]):
+class Done(NamedTuple):
     """What became of a job.
 
     found        : what the work returned; None where it did not
@@ -39,16 +29,19 @@ class Done(NamedTuple, Generic[J, R]):
     is_new       : it was worked out in this run
     """
 
-    job: J
-    found: R
+    job: Any
+    found: Any = None
     error: Exception | None = None
     is_interrupt: bool = False
     is_new: bool = True
 
 
 def done(
-    jobs: Iterable[J], work: Callable[[J], R], known: Mapping[str, R] | None = None, processes: int = 1
-) -> Iterator[Done[J, R]]:
+    jobs: Iterable[Any],
+    work: Callable[[Any], Any],
+    known: Mapping[str, Any] | None = None,
+    processes: int = 1,
+) -> Iterator[Done]:
     """Yield what became of each job, in order; nothing after an interrupt.
 
     work      : what to do with a job; with several processes it can be pickled, as can jobs and findings
@@ -56,7 +49,7 @@ def done(
     processes : 1 is this one; more are processes of their own, with one BLAS thread each
     """
     known, jobs = known or {}, iter(jobs)
-    waiting: deque[tuple[J, Callable[[], R] | None]] = deque()
+    waiting: deque[tuple[Any, Callable[[], Any] | None]] = deque()
     with hands(processes) as (begin, most):
         while True:
             try:
@@ -66,7 +59,7 @@ def done(
             except KeyboardInterrupt:
                 if not waiting:
                     raise
-                yield Done(waiting[0][0], cast(R, None), is_interrupt=True)
+                yield Done(waiting[0][0], is_interrupt=True)
                 return
             if ended is None:
                 return
@@ -74,10 +67,49 @@ def done(
             yield ended
 
 
-def _ended(job: J, get: Callable[[], R] | None, known: Mapping[str, R]) -> Done[J, R]:
+def _ended(job: Any, get: Callable[[], Any] | None, known: Mapping[str, Any]) -> Done:
     if get is None:
         return Done(job, known[job.digest], is_new=False)
     try:
         return Done(job, get())
     except Exception as error:
-        return Done(job, cast(R, None), error)
+        return Done(job, error=error)
+
+
+class Journal(dict[str, Any]):
+    """Digest -> plain values, in a file that grows by a line each time: a run cut short goes on there.
+
+    Raises CgffError where the system refuses.
+    """
+
+    def __init__(self, path: str):
+        self.path = path
+        super().__init__(_entries(path))
+
+    def __setitem__(self, digest: str, value: Any) -> None:
+        super().__setitem__(digest, value)
+        try:
+            with open(self.path, "a", encoding="utf-8") as file:
+                # A line of its own, whatever a run that was killed left of its last one.
+                file.write(f"\n{json.dumps([digest, value])}")
+        except OSError as error:
+            raise CgffError(f"{self.path}: cannot be written: {error.strerror or error}") from error
+
+
+def _entries(path: str) -> dict[str, Any]:
+    """Return what a file holds, the last of each digest; none where there is no file."""
+    try:
+        with open(path, encoding="utf-8", errors="replace") as file:
+            lines = file.readlines()
+    except FileNotFoundError:
+        return {}
+    except OSError as error:
+        raise CgffError(f"{path}: cannot be read: {error.strerror or error}") from error
+    found = {}
+    for line in lines:
+        try:
+            digest, value = json.loads(line)
+        except (ValueError, TypeError):  # an empty line, or one that was cut off
+            continue
+        found[str(digest)] = value
+    return found

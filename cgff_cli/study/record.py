@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cgff_cli import TOOL
-from cgff_cli.rivals.trace import AtResidual, AtShape
+from cgff_cli.rivals.task import AtResidual, AtShape
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers.solution import Solution
 
@@ -81,11 +81,7 @@ class Comparison:
     best: Solution
     methods: tuple[Method, ...]
     schema: str = field(default="cgff-compare/1", init=False)
-
-    @property
-    def tool(self) -> dict[str, str]:
-        """Name and version of what made this."""
-        return dict(TOOL)
+    tool: dict[str, str] = field(default_factory=TOOL.copy, init=False)
 
     @property
     def scene(self) -> dict[str, Any]:

@@ -1,23 +1,23 @@
 """Suites: YAML lists of cases, read with the place of every mistake."""
 
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from itertools import islice
 from typing import Any
 
-from cgff_cli.errors import OptionError, Problem, SceneError
-from cgff_cli.options import OPTIONS, checked
-from cgff_cli.scene.fields import found, is_absent, mapping
+from cgff_cli.errors import Problem, SceneError
+from cgff_cli.options import OPTIONS
+from cgff_cli.scene.fields import found, mapping, optional, ruled
 from cgff_cli.scene.findings import NOWHERE, Findings, Mark, Where
 from cgff_cli.scene.keys import check_keys
 from cgff_cli.scene.located import Document, FormError
-from cgff_cli.scene.schema import SCENE_KEYS
-from cgff_cli.scene.shipped import shipped
+from cgff_cli.scene.read import shipped
+from cgff_cli.scene.schema import OPTION_RULES, SCENE_KEYS
 from cgff_cli.scene.text import read_text, reason
 from cgff_cli.scene.yaml_text import yaml_events
-from cgff_cli.study.case import SOURCES, Case, meant
+from cgff_cli.study.case import OUTCOMES, SOURCES, Case, meant
 from cgff_cli.study.changes import CHANGES
-from cgff_cli.study.expectation import OUTCOMES
+from cgff_cli.values import Rule
 
 NOTES = ("source", "covers", "slow", "reference", "near", "same_iterations_as", "wrong")
 """Keys of a case for its readers and for tests of its answer; measuring ignores them."""
@@ -29,14 +29,14 @@ EXPECT_KEYS = ("outcome", "slack", "warns", "tolerance", "compare", "closed", "d
 RUN_OPTIONS = ("repeat", "time_limit")
 """Options of comparing that a case may set beside solve options."""
 
-VALUES: dict[str, tuple[Callable[[Any], bool], str]] = {
-    "outcome": (lambda value: value is None or value in OUTCOMES, f"one of {', '.join(OUTCOMES)}"),
-    "slack": (lambda value: type(value) is int, "a number of cables"),
-    "warns": (lambda value: isinstance(value, str), "words of a warning"),
-    "repeat": (lambda value: type(value) is int and value > 0, "a whole number > 0"),
-    "time_limit": (lambda value: type(value) in (int, float) and value > 0, "a number > 0"),
+VALUES = OPTION_RULES | {
+    "repeat": Rule(kind=int, positive=True),
+    "time_limit": Rule(positive=True),
+    "outcome": Rule(kind=str, choices=OUTCOMES),
+    "slack": Rule(kind=int, least=0),
+    "warns": Rule(kind=str),
 }
-"""Key of a case's blocks -> whether a value may stand there, and what may."""
+"""Key of a case's options or of what it expects -> what may stand there."""
 
 
 def standard() -> str:
@@ -112,11 +112,16 @@ def _case(findings: Findings, path: str, document: Document, i: int, entry: obje
     if name is not None and (not isinstance(name, str) or not name or not name.isprintable()):
         findings.add((i, "id"), f"must be a word, got {found(name)}")
         return None
-    scene, given, expect = (_block(findings, (i, key), values) for key in ("scene", "options", "expect"))
+    scene, given, expect = (
+        optional(findings, (i, key), values.get(key), "of names to values") or {}
+        for key in ("scene", "options", "expect")
+    )
     _check_scene(findings, (i, "scene"), scene)
-    options = _options(findings, (i, "options"), meant(given))
+    check_keys(findings, (i, "options"), given, (*OPTIONS, *RUN_OPTIONS))
     check_keys(findings, (i, "expect"), expect, EXPECT_KEYS)
-    _check_values(findings, (i, "expect"), meant(expect))
+    options, checked = (
+        ruled(findings, (i, key), own, VALUES) for key, own in (("options", given), ("expect", expect))
+    )
 
     def place(where: Where, at_key: bool) -> Mark:
         """Return line and column of an entry of this case."""
@@ -124,12 +129,7 @@ def _case(findings: Findings, path: str, document: Document, i: int, entry: obje
 
     suite = os.path.splitext(os.path.basename(path))[0]
     notes = {key: meant(values[key]) for key in NOTES if key in values}
-    return Case(str(name), suite, scene, path, place, options, meant(expect), notes)
-
-
-def _block(findings: Findings, where: Where, values: Mapping[str, Any]) -> dict[str, Any]:
-    value = values.get(str(where[-1]))
-    return {} if is_absent(value) else mapping(findings, where, value, "of names to values") or {}
+    return Case(str(name), suite, scene, path, place, options, meant(expect) | checked, notes)
 
 
 def _check_scene(findings: Findings, where: Where, recipe: Mapping[str, Any]) -> None:
@@ -140,23 +140,3 @@ def _check_scene(findings: Findings, where: Where, recipe: Mapping[str, Any]) ->
         return
     keys = SOURCES[sources[0]] if sources else (*SOURCES, *SCENE_KEYS)
     check_keys(findings, where, recipe, (*keys, *CHANGES))
-
-
-def _check_values(findings: Findings, where: Where, values: Mapping[str, Any]) -> None:
-    for name, value in values.items():
-        fits, allowed = VALUES.get(name, (bool, ""))
-        if allowed and not fits(value):
-            findings.add((*where, name), f"must be {allowed}, got {found(value)}")
-
-
-def _options(findings: Findings, where: Where, given: dict[str, Any]) -> dict[str, Any]:
-    """Return the options of a case, each checked and those of a solve in their own type."""
-    check_keys(findings, where, given, (*OPTIONS, *RUN_OPTIONS))
-    _check_values(findings, where, given)
-    options = dict(given)
-    for name in given.keys() & OPTIONS.keys():
-        try:
-            options[name] = checked(name, given[name])
-        except OptionError as error:
-            findings.add((*where, name), str(error).removeprefix(f"{name} "))
-    return options

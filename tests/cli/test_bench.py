@@ -8,9 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from cgff_cli.study import measure
-from cgff_cli.study.bench import TIME_LIMIT
-from cgff_cli.study.measure import ROW_FIELDS
+from cgff_cli.study import bench
+from cgff_cli.study.bench import ROW_FIELDS, TIME_LIMIT
 from tests.cli.conftest import Run
 
 HARD = Path(__file__).parents[1] / "hard"
@@ -32,7 +31,7 @@ def suite(run: Run) -> None:
 def seen(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Return the cases measured so far; one that "stop at ID" in here names is interrupted."""
     names: list[str] = []
-    real = measure.measured
+    real = bench.measured
 
     def counted(job, observer=None):
         if f"stop at {job.case.id}" in names:
@@ -40,7 +39,7 @@ def seen(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         names.append(job.case.id)
         return real(job, observer)
 
-    monkeypatch.setattr(measure, "measured", counted)
+    monkeypatch.setattr(bench, "measured", counted)
     return names
 
 
@@ -74,27 +73,27 @@ def test_an_interrupted_run_keeps_what_it_has_and_goes_on_there(run: Run, seen: 
 
 
 def test_the_file_is_written_after_every_case(run: Run, monkeypatch: pytest.MonkeyPatch):
-    real, held = measure.measured, []
+    real, held = bench.measured, []
 
     def looking(job, observer=None):
         out = Path("out.json")
         held.append(len(json.loads(out.read_text())["rows"]) if out.exists() else 0)
         return real(job, observer)
 
-    monkeypatch.setattr(measure, "measured", looking)
+    monkeypatch.setattr(bench, "measured", looking)
     run("bench", "suite.yaml", *QUICKLY, "-o", "out.json")
     assert held == [0, 2, 4]
 
 
 def test_a_case_that_breaks_leaves_the_others(run: Run, monkeypatch: pytest.MonkeyPatch):
-    real = measure.measured
+    real = bench.measured
 
     def broken(job, observer=None):
         if job.case.id == "one/bracket":
             raise ZeroDivisionError("by zero")
         return real(job, observer)
 
-    monkeypatch.setattr(measure, "measured", broken)
+    monkeypatch.setattr(bench, "measured", broken)
     ended = run("bench", "suite.yaml", *QUICKLY, "-o", "out.json")
     assert ended.exit_code == 1
     assert ended.stderr.startswith("cgff: one/bracket: not measured\ncgff: unexpected error: ZeroDivision")

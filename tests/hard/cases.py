@@ -10,8 +10,7 @@ import yaml
 
 import cgff_cli
 from cgff_cli.study.case import Case as Entry
-from cgff_cli.study.case import built
-from cgff_cli.study.expectation import agrees, as_expected, outcome
+from cgff_cli.study.case import agrees, as_expected, built, outcome
 from cgff_cli.study.suite import cases_of
 
 FOLDER = Path(__file__).parent

@@ -125,4 +125,4 @@ def test_the_long_tables_are_made_as_they_are_written(triangle: Result, monkeypa
 
 
 def test_a_table_of_elements_alone(triangle: Result):
-    assert json.loads("".join(json_out.element_records(triangle))) == triangle.elements
+    assert json.loads("".join(json_out.array(json_out.element_rows(triangle)))) == triangle.elements

@@ -5,13 +5,17 @@ import re
 import pytest
 
 from cgff_cli import loads, solve
-from cgff_cli.report.summary import summary_text
-from cgff_cli.report.table import FEW, analysis_words, result_text
-from cgff_cli.report.terminal import numbers
+from cgff_cli.report.summary import summary_page
+from cgff_cli.report.table import FEW, analysis_words, result_page
+from cgff_cli.report.terminal import numbers, rendered
 from cgff_cli.result import Result
 from cgff_cli.solvers.stopping import Verdict
 from cgff_cli.study.scenes import summary_row
 from tests.report.conftest import MakeResult
+
+
+def result_text(result: Result, terminal: bool, full: bool = False) -> str:
+    return rendered(result_page(result, full), terminal)
 
 
 def _chain(count: int) -> Result:
@@ -151,6 +155,6 @@ def test_a_column_has_one_number_of_decimals(values: list[float], texts: list[st
 
 def test_the_summary_has_a_row_per_scene_also_for_bad_ones(triangle: Result):
     rows = [summary_row("[b].yaml", triangle), {"scene": "bad.yaml", "verdict": "bad scene"}]
-    lines = summary_text(rows, terminal=False).splitlines()
+    lines = rendered(summary_page(rows), terminal=False).splitlines()
     assert lines[1].split()[:2] == ["[b].yaml", "converged"]
     assert lines[2].split() == ["bad.yaml", "bad", "scene", "-", "-", "-", "-", "-"]

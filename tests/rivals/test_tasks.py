@@ -8,8 +8,7 @@ import pytest
 from cgff_cli.mechanics.state import Mechanics
 from cgff_cli.options import SolveOptions
 from cgff_cli.rivals.scipy_solvers import System
-from cgff_cli.rivals.task import Task, centred
-from cgff_cli.rivals.trace import Stop, Trace
+from cgff_cli.rivals.task import Stop, Task, Trace, centred
 from cgff_cli.solvers.cgff import form_find
 from cgff_cli.solvers.stopping import Gauge, Watch
 from tests.bodies import random_body

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import cgff_cli
-from cgff_cli.rivals.trace import TOLERANCES
+from cgff_cli.rivals.task import TOLERANCES
 from cgff_cli.study.alignment import affinely, distance_difference, laid_over, rigidly
 from cgff_cli.study.record import Comparison
 from tests.shapes import STRUCTURES

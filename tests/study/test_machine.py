@@ -11,8 +11,7 @@ import pytest
 
 from cgff_cli.errors import Problem, SceneError
 from cgff_cli.study.hands import ONE_THREAD
-from cgff_cli.study.journal import Journal
-from cgff_cli.study.machine import done
+from cgff_cli.study.machine import Journal, done
 
 
 class Number(NamedTuple):

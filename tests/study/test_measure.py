@@ -7,12 +7,11 @@ from pathlib import Path
 import pytest
 
 import cgff_cli
-from cgff_cli.rivals.trace import TOLERANCES
-from cgff_cli.study import measure
-from cgff_cli.study.bench import Job, jobs_of
+from cgff_cli.rivals.task import TOLERANCES
+from cgff_cli.study import bench
+from cgff_cli.study.bench import ROW_FIELDS, Job, jobs_of, measured
+from cgff_cli.study.case import agrees
 from cgff_cli.study.digest import machine
-from cgff_cli.study.expectation import agrees
-from cgff_cli.study.measure import ROW_FIELDS, measured
 from cgff_cli.study.suite import cases_of
 from tests.shapes import STRUCTURES
 
@@ -111,7 +110,7 @@ def test_two_answers_of_one_energy_are_one_shape(job: MakeJob):
 def test_two_shapes_are_told_where_their_energies_agree(
     job: MakeJob, monkeypatch: pytest.MonkeyPatch, shift: float, heavier: float, told: tuple
 ):
-    compare = measure.compare
+    compare = bench.compare
 
     def planted(*arguments, **options):
         found = compare(*arguments, **options)
@@ -121,7 +120,7 @@ def test_two_shapes_are_told_where_their_energies_agree(
         moved = lm._replace(X=X, energy=lm.energy * (1 + heavier))
         return replace(found, methods=(cgff, moved))
 
-    monkeypatch.setattr(measure, "compare", planted)
+    monkeypatch.setattr(bench, "compare", planted)
     row = measured(job("{id: prism, scene: {structure: prism}}"))[1]
     assert (row["same_energy_as"], row["same_answer"]) == told
 

@@ -7,8 +7,7 @@ import pytest
 
 import cgff_cli
 from cgff_cli.study.bench import jobs_of
-from cgff_cli.study.case import built
-from cgff_cli.study.expectation import agrees, as_expected
+from cgff_cli.study.case import agrees, as_expected, built
 from cgff_cli.study.suite import cases_of, standard
 from tests.shapes import STRUCTURES, solve_structure
 
@@ -100,8 +99,8 @@ def test_a_scene_by_itself_is_a_case_of_no_suite():
         ("- id: a\n  sceen: {structure: prism}", 2, "did you mean 'scene'?"),
         ("- id: a\n  scene: {structure: prism}\n  options: {toleranc: 1}", 3, "did you mean 'tolerance'?"),
         ("- id: a\n  scene: {structure: prism}\n  expect: {outcome: stable}", 3, "must be one of refused, "),
-        ("- {id: a, scene: {structure: prism}, expect: {slack: two}}", 1, "must be a number of cables, got"),
-        ("- {id: a, scene: {structure: prism}, expect: {warns: 2}}", 1, "must be words of a warning, got 2"),
+        ("- {id: a, scene: {structure: prism}, expect: {slack: two}}", 1, "must be a whole number >= 0, got"),
+        ("- {id: a, scene: {structure: prism}, expect: {warns: [a]}}", 1, "must be one value, got a list"),
         (
             "- {id: a, scene: {structure: prism}}\n- {id: a, scene: {structure: prism}}",
             2,
