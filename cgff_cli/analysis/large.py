@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cgff_cli.analysis.stability import resists, stability, told
-from cgff_cli.mechanics.norms import largest, norm
+from cgff_cli.mechanics.norms import largest
 from cgff_cli.mechanics.pattern import TangentPattern
 from cgff_cli.mechanics.signs import BLUR, blurred_at_most, idle_motions, shortest
 from cgff_cli.mechanics.state import State
@@ -62,13 +62,12 @@ class LargeSpectrum:
         self.K = pattern, data, kind
         stiffest = max(float(mechanics.scale_stiffness.max()), largest(data))
         self.shift, self.factor = _shifted(*self.K, BLUR * stiffest)
-        if idle.shape[1] < len(self.places):
-            start = np.zeros(m * d)
-            start[self.places] = np.cos(np.arange(len(self.places)) ** 2.0)
-            x, is_found = _largest(self._inverse, self._cleared(start), len(self.places) - idle.shape[1])
+        self.matrix = csc_array((data, pattern.indices, pattern.indptr))
+        self.count = len(self.places) - idle.shape[1]
+        if self.count:
+            values, _, is_found = self._softest(1, 1)
             self.is_sure &= is_found
-            K = csc_array((data, pattern.indices, pattern.indptr))
-            self.softest = float(x @ (K @ x))
+            self.softest = float(values[0])
 
     def newton_steps(self) -> list[np.ndarray]:
         """Return Newton steps, (d, m), apart from idle motions, and from what has hardly a stiffness."""
@@ -78,6 +77,24 @@ class LargeSpectrum:
             z = self._cleared(factor.solve(flat)).reshape(g.shape[::-1])
             steps.append(-np.ascontiguousarray(z.T))
         return steps
+
+    def modes(self, count: int) -> tuple[np.ndarray, np.ndarray, bool]:
+        """Return the (c,) least stiffnesses, unit shapes (c, d, m), and whether none is missing or blurred.
+
+        As many vectors at a time find motions that are equally stiff.
+        """
+        count = min(count, self.count)
+        values, x, is_found = self._softest(count, min(count + 1, self.count))
+        d, m = self.state.X.shape
+        return values, x.T.reshape(count, m, d).swapaxes(1, 2), is_found
+
+    def _softest(self, count: int, width: int) -> tuple[np.ndarray, np.ndarray, bool]:
+        """Return least eigenvalues (count,) of K, their vectors (f, count), and whether these were found."""
+        start = np.zeros((len(self.R), width))
+        start[self.places] = np.cos(np.arange(len(self.places) * width) ** 2.0).reshape(width, -1).T
+        x, is_found = largest_of(self._inverse, self._cleared(start), count, self.count)
+        values, turned = np.linalg.eigh(x.T @ (self.matrix @ x))
+        return values, x @ turned, is_found
 
     def _inverse(self, y: np.ndarray) -> np.ndarray:
         return self._cleared(self.factor.solve(y))
@@ -99,25 +116,28 @@ def _shifted(pattern: TangentPattern, data: np.ndarray, kind: str, shift: float)
         shift *= 10.0
 
 
-def _largest(inverse: Operator, start: np.ndarray, count: int) -> tuple[np.ndarray, bool]:
-    """Return the unit eigenvector of a symmetric operator's largest value, and whether it was found.
+def largest_of(inverse: Operator, start: np.ndarray, count: int, room: int) -> tuple[np.ndarray, bool]:
+    """Return orthonormal vectors (f, count) to a symmetric operator's largest values, and if they were found.
 
-    Lanczos' method with all vectors kept and orthogonalised twice. count: dimension of where it acts.
+    Lanczos' method from the columns of start, (f, width), side by side, with all vectors kept and
+    orthogonalised twice. room: dimension of where it acts.
     """
-    Q, diagonal, beside = [start / norm(start)], [], []
-    for _ in range(min(count, MOST_VECTORS)):
-        z = inverse(Q[-1])
-        diagonal.append(float(Q[-1] @ z))
-        B = np.array(Q)
-        for _ in range(2):
-            z -= B.T @ (B @ z)
-        beside.append(norm(z))
-        T = np.diag(diagonal) + np.diag(beside[:-1], 1) + np.diag(beside[:-1], -1)
-        values, vectors = np.linalg.eigh(T)
-        if beside[-1] * abs(vectors[-1, -1]) <= CLOSE * abs(values[-1]):
+    Q, T, width = np.linalg.qr(start)[0], np.zeros((0, 0)), start.shape[1]
+    while True:
+        z, size = inverse(Q[:, -width:]), Q.shape[1]
+        column = Q.T @ z
+        T = np.block([[T, column[:-width]], [column[:-width].T, column[-width:]]])
+        z -= Q @ column
+        z -= Q @ (Q.T @ z)
+        onward, beside = np.linalg.qr(z)
+        values, vectors = np.linalg.eigh(0.5 * (T + T.T))
+        left = np.linalg.norm(beside @ vectors[-width:, -count:], axis=0)
+        is_found = size == room or bool((left <= CLOSE * np.abs(values[-count:])).all())
+        if is_found or size >= MOST_VECTORS:
             break
-        Q.append(z / beside[-1])
-    x = B.T @ vectors[:, -1]
+        width = min(width, room - size)
+        Q = np.concatenate((Q, onward[:, :width]), axis=1)
+    x = Q @ vectors[:, -count:]
     for _ in range(2):  # where K is all but singular its inverse is hardly linear, and x is the better for it
-        x = inverse(x * (1.0 / norm(x)))
-    return x / norm(x), len(Q) == len(diagonal) or len(diagonal) == count
+        x = np.linalg.qr(inverse(x))[0]
+    return x, is_found

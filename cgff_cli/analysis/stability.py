@@ -25,6 +25,9 @@ class Signs(Protocol):
     def newton_steps(self) -> list[np.ndarray]:
         """Return steps, (d, m), towards the equilibrium near by."""
 
+    def modes(self, count: int) -> tuple[np.ndarray, np.ndarray, bool]:
+        """Return the least stiffnesses (c,), their shapes (c, d, m), and whether these are they."""
+
 
 SignsOf = Callable[[State, np.ndarray, float], Signs]
 

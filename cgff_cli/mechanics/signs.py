@@ -123,3 +123,11 @@ class Spectrum:
             step[dofs] = -along @ ((along.T @ self.state.g.reshape(-1)[dofs]) / values[: self.count][sure])
             steps.append(step.reshape(self.state.X.shape))
         return steps
+
+    def modes(self, count: int) -> tuple[np.ndarray, np.ndarray, bool]:
+        """Return the (c,) least eigenvalues apart from idle motions, unit shapes (c, d, m), and True."""
+        count = min(count, self.count)
+        values, vectors = np.linalg.eigh(self.K)
+        shapes = np.zeros((count, self.state.X.size))
+        shapes[:, self.state.mechanics.dofs] = vectors[:, :count].T
+        return values[:count], shapes.reshape(count, *self.state.X.shape), True
