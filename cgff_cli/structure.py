@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cgff_cli.errors import Problem, SceneError
 from cgff_cli.scene.physics import component_labels
 from cgff_cli.scene.scene import AXES, Scene
 
@@ -39,8 +40,22 @@ class Structure:
         return bool(np.bincount(held, minlength=int(label.max()) + 1).all())
 
 
+def refuse_geometry(scene: Scene) -> None:
+    """Raise SceneError, placed at its elements, where a scene is a geometry."""
+    if scene.is_geometry:
+        message = (
+            "elements: without rest_length this is a geometry, and has no forces; "
+            "`cgff prestress` finds rest lengths that hold it"
+        )
+        raise SceneError([Problem(scene.path, *scene.elements_at, message)])
+
+
 def from_scene(scene: Scene) -> Structure:
-    """Return the arrays of a scene; both elastic laws, eq. (2) and Hooke's, become one stiffness."""
+    """Return the arrays of a scene; both elastic laws, eq. (2) and Hooke's, become one stiffness.
+
+    Raises SceneError for a geometry.
+    """
+    refuse_geometry(scene)
     n, d = scene.coordinates.shape
     groups = scene.groups
     pairs = np.concatenate([group.pairs for group in groups]).T

@@ -90,7 +90,7 @@ def _read(text: str, path: str, base: str) -> Scene:
         findings = Findings(document.faults)
         scene = read_scene(findings, document.value, path, base) if document.whole else None
         if scene is not None and findings.none:
-            return scene
+            return replace(scene, elements_at=document.place(("elements",), True))
         if not document.sharpened(findings.wheres):
             raise SceneError(findings.problems(path, document.place))
 

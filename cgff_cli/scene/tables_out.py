@@ -10,7 +10,7 @@ from cgff_cli.scene.scene import Group, Scene
 
 _ROWS = 8192
 NODE_HEADER = "name,x,y,z"
-ELEMENT_HEADER = "start,end,group,kind,EA,rest_length\n"
+ELEMENT_HEADER = "start,end,group,kind,EA"
 
 
 def node_table(scene: Scene) -> Iterator[str]:
@@ -24,7 +24,7 @@ def node_table(scene: Scene) -> Iterator[str]:
 
 def element_table(scene: Scene) -> Iterator[str]:
     """Yield a row per element, in the scene's element order."""
-    yield ELEMENT_HEADER
+    yield ELEMENT_HEADER + ("\n" if scene.is_geometry else ",rest_length\n")
     names = _cells(scene.node_names)
     for group in scene.groups:
         for first in range(0, len(group.EA), _ROWS):
@@ -39,7 +39,7 @@ def _element_lines(group: Group, names: list[str], own: slice) -> str:
         _cells([group.name]) * count,
         [group.kind] * count,
         _numbers(group.EA[own]),
-        _numbers(group.rest_length[own]),
+        *([] if np.isnan(group.rest_length[0]) else [_numbers(group.rest_length[own])]),
     )
 
 
