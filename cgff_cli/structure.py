@@ -33,9 +33,18 @@ class Structure:
         n = len(self.free)
         return np.bincount(self.start, values, n) + np.bincount(self.end, values, n)
 
+    @property
+    def part_count(self) -> int:
+        """How many parts there are that no element joins."""
+        return int(self._parts(slice(None)).max()) + 1
+
+    def _parts(self, which: np.ndarray | slice) -> np.ndarray:
+        """Return (n,) int: the connected part of each node; which: elements that join."""
+        return component_labels(len(self.free), np.stack((self.start, self.end), axis=1)[which])
+
     def is_tied(self, which: np.ndarray | slice = slice(None)) -> bool:
         """Return whether elements, all or some, (b,) bool, tie every node to one that nothing can move."""
-        label = component_labels(len(self.free), np.stack((self.start, self.end), axis=1)[which])
+        label = self._parts(which)
         held = label[~self.free.any(axis=1)]
         return bool(np.bincount(held, minlength=int(label.max()) + 1).all())
 

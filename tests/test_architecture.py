@@ -21,6 +21,7 @@ ROOMS = (
     "result",
     "pipeline",
     "many",
+    "as_given",
     "rivals",
     "study",
     "report",

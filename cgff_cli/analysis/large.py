@@ -1,20 +1,22 @@
 """Stability of large scenes: by Lanczos' method on the inverse of K, or by what cables alone cannot do."""
 
 from collections.abc import Callable
-from functools import partial
-from math import sqrt
+from functools import cached_property, partial
+from math import inf, sqrt
 from typing import Any
 
 import numpy as np
 
-from cgff_cli.analysis.stability import resists, stability, told
-from cgff_cli.mechanics.norms import largest
+from cgff_cli.analysis.nulls import below, factored
+from cgff_cli.analysis.stability import SignsOf, resists, stability, stiffnesses, told
+from cgff_cli.mechanics.norms import largest, norm
 from cgff_cli.mechanics.pattern import TangentPattern
-from cgff_cli.mechanics.signs import BLUR, blurred_at_most, idle_motions, shortest
+from cgff_cli.mechanics.signs import BLUR, DRIVEN, blurred_at_most, idle_motions, shortest
 from cgff_cli.mechanics.state import State
 from cgff_cli.solvers.factors import Factor, factory
 
 MOST_VECTORS = 200
+MOST_SOLVES = 20
 
 Operator = Callable[[np.ndarray], np.ndarray]
 
@@ -22,38 +24,42 @@ CLOSE = 1e-8
 """Residual of the softest motion, relative, at which Lanczos' method has found it."""
 
 
-def stability_of_large(state: State, kind: str, floor: float, most: float = float("inf")) -> dict[str, Any]:
-    """Return `stable`, `stability` and `smallest_stiffness` of a balanced state.
+def stability_of_large(
+    state: State, kind: str, floor: float, most: float = float("inf"), signs: SignsOf | None = None
+) -> dict[str, Any]:
+    """Return what `stability` returns of a balanced state.
 
     Of cables alone K is at least D, axis by axis, so that all is stable that taut cables tie to a support;
-    smallest_stiffness is then told up to `most` free directions. kind: the sparse factors to use, as in the
-    solve option `factor`; floor: the rounding error of forces.
+    stiffnesses are then told up to `most` free directions. kind: the sparse factors to use, as in the
+    solve option `factor`, unless signs tell; floor: the rounding error of forces.
     """
     mechanics, taut = state.mechanics, resists(state, floor)
-    signs = partial(LargeSpectrum, kind=kind)
+    signs = signs or partial(LargeSpectrum, kind=kind)
     if not (mechanics.structure.tension_only.all() and mechanics.mask is None):
         return stability(state, floor, signs)
     found = told("stable" if mechanics.structure.is_tied(taut) else "neutral", state, float("inf"))
-    softest = signs(state, taut, floor).softest if len(mechanics.dofs) <= most else float("nan")
-    softest *= mechanics.frame.stiffness
-    return found | {"smallest_stiffness": softest if np.isfinite(softest) else None}
+    if len(mechanics.dofs) > most:
+        return found
+    spectrum = signs(state, taut, floor)
+    return found | stiffnesses(state, spectrum, spectrum.doubt)
 
 
 class LargeSpectrum:
     """What `mechanics.signs.Spectrum` tells, from one sparse factor; vectors run node by node.
 
+    values: only the least `count`.
+
     No stiffness is below -shift, as K + shift has a Cholesky factor: the least is where its inverse is
     largest. The start is the same for every scene and has no symmetry that could hide a motion.
     """
 
-    def __init__(self, state: State, taut: np.ndarray, floor: float, kind: str = "auto"):
-        from scipy.sparse import csc_array
-
+    def __init__(self, state: State, taut: np.ndarray, floor: float, kind: str = "auto", count: int = 1):
         self.state, mechanics = state, state.mechanics
         self.shortest = shortest(state)
-        self.doubt = blurred_at_most(state) + 4.0 * largest(state.g) / self.shortest
+        self.blurred = blurred_at_most(state)
+        self.doubt = self.blurred + 4.0 * largest(state.g) / self.shortest
         idle, self.is_sure = idle_motions(state, floor)
-        self.softest, (d, m) = float("inf"), state.X.shape
+        self.softest, self.values, (d, m) = float("inf"), np.zeros(0), state.X.shape
         self.places = mechanics.dofs % m * d + mechanics.dofs // m
         self.R = np.zeros((m * d, idle.shape[1]))
         self.R[self.places] = idle
@@ -62,12 +68,13 @@ class LargeSpectrum:
         self.K = pattern, data, kind
         stiffest = max(float(mechanics.scale_stiffness.max()), largest(data))
         self.shift, self.factor = _shifted(*self.K, BLUR * stiffest)
-        self.matrix = csc_array((data, pattern.indices, pattern.indptr))
+        self.matrix = csc_of(pattern, data)
         self.count = len(self.places) - idle.shape[1]
         if self.count:
-            values, _, is_found = self._softest(1, 1)
+            self._found = self._softest(min(count, self.count))
+            self.values, _, is_found = self._found
             self.is_sure &= is_found
-            self.softest = float(values[0])
+            self.softest = float(self.values[0])
 
     def newton_steps(self) -> list[np.ndarray]:
         """Return Newton steps, (d, m), apart from idle motions, and from what has hardly a stiffness."""
@@ -78,23 +85,85 @@ class LargeSpectrum:
             steps.append(-np.ascontiguousarray(z.T))
         return steps
 
+    def negative(self, doubt: float) -> int | None:
+        """Return 0 where no stiffness is below -doubt; to count them takes factors, see `counted`."""
+        return 0 if self.shift <= doubt or (self.is_sure and self.softest >= -doubt) else None
+
+    def counted(self, doubt: float) -> int | None:
+        """Return how many stiffnesses are below -doubt, by the signs of pivots (Sylvester)."""
+        if self.negative(doubt) == 0:
+            return 0
+        count, error = below(self.matrix, -doubt)
+        if error <= 0.1 * doubt:
+            return count
+        sides = [below(self.matrix, side) for side in (-10.0 * error, 10.0 * error)] if error < inf else []
+        # Where nothing but idle motions lies in what the factor blurs, no sign hangs on that.
+        if not sides or max(own for _, own in sides) > error or sides[1][0] - self.R.shape[1] != sides[0][0]:
+            return None
+        return sides[0][0]
+
     def modes(self, count: int) -> tuple[np.ndarray, np.ndarray, bool]:
-        """Return the (c,) least stiffnesses, unit shapes (c, d, m), and whether none is missing or blurred.
+        """Return the (c,) least stiffnesses, unit shapes (c, d, m), and whether these are they."""
+        count, (d, m) = min(count, self.count), self.state.X.shape
+        if not count:
+            return np.zeros(0), np.zeros((0, d, m)), True
+        values, x, is_found = self._found if count <= len(self.values) else self._softest(count)
+        return values[:count], x[:, :count].T.reshape(count, m, d).swapaxes(1, 2), is_found
 
-        As many vectors at a time find motions that are equally stiff.
+    def solved(self, F: np.ndarray, doubt: float) -> np.ndarray | None:
+        """Return x, (d, m), with K x = F and no idle motion in it; None where F drives what is not stiff.
+
+        What the shift of the factor leaves wrong is solved for again.
         """
-        count = min(count, self.count)
-        values, x, is_found = self._softest(count, min(count + 1, self.count))
-        d, m = self.state.X.shape
-        return values, x.T.reshape(count, m, d).swapaxes(1, 2), is_found
+        b = self._cleared(F.T.reshape(-1))
+        x, left = np.zeros_like(b), b
+        for _ in range(MOST_SOLVES):
+            if norm(left) <= DRIVEN * norm(b):
+                return np.ascontiguousarray(x.reshape(F.shape[::-1]).T)
+            x = x + self._cleared(self._direct.solve(left))
+            left = self._cleared(b - self.matrix @ x)
+        return None
 
-    def _softest(self, count: int, width: int) -> tuple[np.ndarray, np.ndarray, bool]:
-        """Return least eigenvalues (count,) of K, their vectors (f, count), and whether these were found."""
-        start = np.zeros((len(self.R), width))
-        start[self.places] = np.cos(np.arange(len(self.places) * width) ** 2.0).reshape(width, -1).T
-        x, is_found = largest_of(self._inverse, self._cleared(start), count, self.count)
+    @cached_property
+    def _direct(self) -> Factor:
+        """A factor of K with hardly a shift, definite or not."""
+        least = BLUR * max(float(self.state.mechanics.scale_stiffness.max()), largest(self.matrix.data))
+        return self.factor if self.shift <= least else factored(self.matrix, least)
+
+    def stress_rates(self, dq: np.ndarray) -> np.ndarray | None:
+        """Return the least eigenvalue, (1,), of K_G(dq) against K - K_G(dq); None unless that is positive.
+
+        dq: (b,) force densities that change with the loads.
+        """
+        from scipy.sparse.linalg import LinearOperator, eigsh
+
+        (pattern, data, kind), V = self.K, self.state.V
+        change = pattern.fill(V, np.zeros(len(dq)), dq, held=0.0)
+        unloaded = data - change
+        shifted = unloaded.copy()
+        shifted[pattern.diagonal] += BLUR * max(largest(unloaded), self.shift)
+        factor = factory(pattern.indices, pattern.indptr, kind).factor(shifted)
+        if factor is None:
+            return None
+        M, G = (csc_of(pattern, own) for own in (unloaded, change))
+        inverse = LinearOperator(M.shape, lambda y: self._cleared(factor.solve(y)), dtype=float)
+        return eigsh(G, 1, M, Minv=inverse, which="SA", v0=self._start(1)[:, 0], return_eigenvectors=False)
+
+    def _softest(self, count: int) -> tuple[np.ndarray, np.ndarray, bool]:
+        """Return least eigenvalues (count,) of K, their vectors (f, count), and whether these were found.
+
+        More vectors at a time than are asked for find motions that are equally stiff.
+        """
+        width = min(count + 1, self.count) if count > 1 else 1
+        x, is_found = largest_of(self._inverse, self._start(width), count, self.count)
         values, turned = np.linalg.eigh(x.T @ (self.matrix @ x))
         return values, x @ turned, is_found
+
+    def _start(self, width: int) -> np.ndarray:
+        """Return vectors (f, width) in which no motion is missing."""
+        start = np.zeros((len(self.R), width))
+        start[self.places] = np.cos(np.arange(len(self.places) * width) ** 2.0).reshape(width, -1).T
+        return self._cleared(start)
 
     def _inverse(self, y: np.ndarray) -> np.ndarray:
         return self._cleared(self.factor.solve(y))
@@ -102,6 +171,13 @@ class LargeSpectrum:
     def _cleared(self, y: np.ndarray) -> np.ndarray:
         """Return a vector without idle motions."""
         return y - self.R @ (self.R.T @ y)
+
+
+def csc_of(pattern: TangentPattern, data: np.ndarray) -> Any:
+    """Return a sparse matrix of a pattern."""
+    from scipy.sparse import csc_array
+
+    return csc_array((data, pattern.indices, pattern.indptr))
 
 
 def _shifted(pattern: TangentPattern, data: np.ndarray, kind: str, shift: float) -> tuple[float, Factor]:

@@ -29,17 +29,16 @@ def softest_modes(state: State, floor: float, count: int, kind: str = "auto") ->
     Rigid motions that cost nothing are left out. state: balanced or not; floor: the rounding error of
     forces; kind: sparse factors to use of a large scene, as the solve option `factor`.
     """
-    return modes_of(spectrum(state, floor, kind), state, count)
+    return modes_of(spectrum_of(state, resists(state, floor), floor, kind, count), state, count)
 
 
-def spectrum(state: State, floor: float, kind: str = "auto") -> Signs:
-    """Return what tells signs, stiffnesses and motions of K: dense, or by sparse factors."""
-    taut = resists(state, floor)
+def spectrum_of(state: State, taut: np.ndarray, floor: float, kind: str, count: int) -> Signs:
+    """Return what tells signs and `count` motions of K: dense, or by sparse factors."""
     if state.mechanics.is_small:
         return Spectrum(state, taut, floor)
     from cgff_cli.analysis.large import LargeSpectrum
 
-    return LargeSpectrum(state, taut, floor, kind)
+    return LargeSpectrum(state, taut, floor, kind, count)
 
 
 def modes_of(signs: Signs, state: State, count: int) -> Modes:

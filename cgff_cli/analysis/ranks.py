@@ -4,8 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from cgff_cli.analysis.nulls import rank, zeros
+from cgff_cli.analysis.nulls import Rank, rank, zeros
 from cgff_cli.mechanics.connectivity import dense
+from cgff_cli.mechanics.elements import EPS
 from cgff_cli.mechanics.equilibrium import equilibrium_matrix, force_density_matrix
 from cgff_cli.mechanics.norms import largest
 from cgff_cli.mechanics.state import State
@@ -52,16 +53,18 @@ class Ranks:
         """Return nullities of D and U and what follows; null where too many motions are too soft to tell.
 
         n_D = n - rank D must be >= d + 1, eq. (5), and n_U = b - rank U >= 1, eq. (6), in a free prestressed
-        structure. States of self-stress and mechanisms count taut elements and free directions only.
+        structure. States of self-stress and mechanisms count taut elements and free directions only, and so
+        does rank_gap, the least singular value that counts over the greatest that does not.
         """
         m, count = self.state.mechanics, int(self.taut.sum())
         U = self.U if m.all_free else self.U[m.structure.free.T.reshape(-1)]
         all_taut, b = count == len(self.taut), len(self.taut)
         taut_rank = rank(U if all_taut else U[:, self.taut], self.tolerance)
         whole = taut_rank
-        if not all_taut or not (m.all_free or taut_rank == b):  # rows added lower no singular value
+        if not all_taut or not (m.all_free or taut_rank.number == b):  # rows added lower no singular value
             whole = rank(self.U, self.tolerance, seems_full=True)
         rigid, n_D, n_U = self.state.rigid.basis.shape[1], self.nullity_D, _less(b, whole)
+        kept, left = taut_rank.kept, max(taut_rank.left, EPS)
         return {
             "nullity_D": n_D,
             "nullity_U": n_U,
@@ -69,6 +72,7 @@ class Ranks:
             "condition_U": None if n_U is None else n_U >= 1,
             "self_stress_states": _less(count, taut_rank),
             "mechanisms": _less(U.shape[0] - rigid, taut_rank),
+            "rank_gap": float(kept / left) if kept == kept and left == left else None,
             "rigid_motions": rigid,
             "rank_tolerance": self.tolerance,
         }
@@ -96,8 +100,8 @@ class Ranks:
         return whole if free.all() else zeros(self.D[free][:, free], self.threshold)
 
 
-def _less(count: int, rank: int | None) -> int | None:
-    return None if rank is None else count - rank
+def _less(count: int, rank: Rank) -> int | None:
+    return None if rank.number is None or rank.is_muddled else count - rank.number
 
 
 def _sparse(state: State, u: np.ndarray) -> tuple[Any, Any]:

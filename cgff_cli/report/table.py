@@ -7,6 +7,7 @@ import numpy as np
 from rich.console import RenderableType
 from rich.text import Text
 
+from cgff_cli.analysis.measures import spans
 from cgff_cli.report.cells import column
 from cgff_cli.report.terminal import (
     Column,
@@ -21,6 +22,7 @@ from cgff_cli.report.terminal import (
     verdict_words,
 )
 from cgff_cli.result import Result
+from cgff_cli.scene.scene import Scene
 
 FEW = 30
 """Lists longer than this are summarised unless asked for in full."""
@@ -47,17 +49,13 @@ def _page(result: Result, full: bool) -> Iterator[RenderableType]:
     if result.source.supports:
         yield from _reactions(result, full)
     yield Text("")
-    yield from _elements(result) if full or result.source.element_count <= FEW else _groups(result)
+    yield from _elements(result) if full or result.source.element_count <= FEW else group_table(result)
 
 
 def _facts(result: Result) -> Iterator[tuple[str, str]]:
     source, residual, counts = result.source, result.residual, result.counts
     yield "verdict", result.message
-    yield (
-        "structure",
-        f"{count(len(source.node_names), 'node')}, {count(source.element_count, 'element')} in "
-        f"{count(len(source.groups), 'group')}, {source.dimension}-D, law {source.law}",
-    )
+    yield "structure", structure_words(source)
     yield (
         "residual",
         f"{residual['max']:.2e}, {residual['relative']:.2e} of the reference force "
@@ -70,6 +68,14 @@ def _facts(result: Result) -> Iterator[tuple[str, str]]:
     yield "analysis", analysis_words(result.analysis)
     for warning in result.warnings:
         yield "warning", clean(warning)
+
+
+def structure_words(source: Scene) -> str:
+    """Return how large a scene is."""
+    return (
+        f"{count(len(source.node_names), 'node')}, {count(source.element_count, 'element')} in "
+        f"{count(len(source.groups), 'group')}, {source.dimension}-D, law {source.law}"
+    )
 
 
 def _change(result: Result) -> str:
@@ -156,7 +162,10 @@ def _elements(result: Result) -> Iterator[RenderableType]:
     )
 
 
-def _groups(result: Result) -> Iterator[RenderableType]:
+def group_table(
+    result: Result, names: Iterable[str] = ("length", "force", "force_density")
+) -> Iterator[RenderableType]:
+    """Yield a row per group: least and greatest of some columns of its elements."""
     groups = result.groups
     slack = column("slack", (entry["slack"] for entry in groups.values()))
     return aligned(
@@ -164,10 +173,18 @@ def _groups(result: Result) -> Iterator[RenderableType]:
             _names("group", groups),
             Column("kind", [group.kind for group in result.source.groups]),
             column("count", (entry["count"] for entry in groups.values())),
-            *(_spans(groups, name) for name in ("length", "force", "force_density")),
+            *(_spans(groups, name) for name in names),
             *([slack] if result.slack.any() else []),
         ]
     )
+
+
+def changes_table(result: Result, changes: np.ndarray) -> Iterator[RenderableType]:
+    """Yield a row per group: least and greatest change of its elements' forces; changes: (b,)."""
+    own = result.source.groups
+    rows = spans(changes, [len(group.EA) for group in own])
+    groups = {group.name: {"force_change": ends} for group, ends in zip(own, rows, strict=True)}
+    return aligned([_names("group", groups), _spans(groups, "force_change")])
 
 
 def _spans(groups: dict[str, dict[str, Any]], name: str) -> Column:

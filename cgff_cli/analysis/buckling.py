@@ -1,0 +1,84 @@
+"""At which multiple of the loads the tangent stiffness becomes singular, as far as it is linear in them.
+
+The loads F move the structure by dx, K dx = F, and so change force densities by dq = k u . dx / l. A factor
+lambda on the loads makes K + (lambda - 1) K_G(dq) of K, K_G = I (x) D: lambda = 1 is the present state,
+lambda = 0 the unloaded one, and the least lambda > 0 at which this is singular the critical load factor. It
+bounds nothing where the shape changes much on the way: an arch that flattens snaps before.
+"""
+
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+
+from cgff_cli.analysis.mechanisms import stress_matrix
+from cgff_cli.analysis.stability import Signs
+from cgff_cli.mechanics.signs import Spectrum
+from cgff_cli.mechanics.state import State
+
+if TYPE_CHECKING:
+    from cgff_cli.analysis.large import LargeSpectrum
+
+SLIGHT = 1e-9
+"""Share of the stiffness that all loads together must change to be more than rounding."""
+
+NO_LOADS = "there are no loads"
+SINGULAR = "not told: some motion has no stiffness beyond rounding, so that loads may move it without end"
+NEVER = "no multiple of the loads makes the stiffness singular, as far as it is linear in them"
+NEITHER = "not told: neither with nor without the loads is every motion stiff"
+NEEDED = "not told: without the loads some motion is not stiff, and the structure is large"
+NOT_FOUND = "not told: no eigenvalue was found in a structure of this size"
+
+
+def critical_load_factor(state: State, signs: Signs, doubt: float) -> tuple[float | None, str]:
+    """Return the least positive load factor at which K is singular, or None and why; 1 is the present state.
+
+    signs: the spectrum of K at the state, in balance; doubt: the size of a stiffness that has no sign.
+    """
+    m = state.mechanics
+    if m.F is None:
+        return None, NO_LOADS
+    dx = signs.solved(m.F, doubt)
+    if dx is None or not signs.is_sure or np.abs(signs.values).min() <= doubt:
+        return None, SINGULAR
+    dq = density_rate(state, m.connectivity.differences(dx))
+    if isinstance(signs, Spectrum):
+        return _of_small(signs, state, dq)
+    return _of_large(cast("LargeSpectrum", signs), dq)
+
+
+def density_rate(state: State, Z: np.ndarray) -> np.ndarray:
+    """Return dq = k u . z / l, (b,), of element vectors' changes Z (d, b); 0 where slack."""
+    m = state.mechanics
+    return m.k * state.taut * np.einsum("ab,ab->b", state.V, Z) / (state.l * state.l)
+
+
+def _of_small(signs: Spectrum, state: State, dq: np.ndarray) -> tuple[float | None, str]:
+    values, vectors = signs.eigen
+    dofs = state.mechanics.dofs
+    G = vectors.T @ stress_matrix(state, dq)[np.ix_(dofs, dofs)] @ vectors
+    try:
+        L, now = np.linalg.cholesky(np.diag(values) - G), 0.0
+    except np.linalg.LinAlgError:
+        if values[0] < 0.0:
+            return None, NEITHER
+        L, now = np.diag(np.sqrt(values)), 1.0
+    return _least(np.linalg.eigvalsh(np.linalg.solve(L, np.linalg.solve(L, G).T)), now)
+
+
+def _least(rates: np.ndarray, now: float) -> tuple[float | None, str]:
+    """Return the least positive factor; rates: eigenvalues of K_G against K at the factor `now`."""
+    telling = rates[np.abs(rates) > SLIGHT]
+    factors = now - 1.0 / telling
+    factors = factors[factors > SLIGHT]
+    return (float(factors.min()), "") if len(factors) else (None, NEVER)
+
+
+def _of_large(signs: "LargeSpectrum", dq: np.ndarray) -> tuple[float | None, str]:
+    """Return the same by Lanczos' method, where K is positive without the loads."""
+    from scipy.sparse.linalg import ArpackError
+
+    try:
+        rates = signs.stress_rates(dq)
+    except ArpackError:
+        return None, NOT_FOUND
+    return (None, NEEDED) if rates is None else _least(rates, 0.0)

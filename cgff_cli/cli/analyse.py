@@ -1,0 +1,91 @@
+"""`cgff analyse`: what the coordinates of a scene or a result are, as given; nothing is solved."""
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from cgff_cli.cli.common import (
+    ExitCode,
+    SectionCommand,
+    examples,
+    flag,
+    say,
+    screen,
+    title,
+    wanted,
+    warn_of,
+    word_options,
+)
+from cgff_cli.cli.options import format_flag, given_solve_options, output_flag, solve_option
+from cgff_cli.cli.targets import check_targets, files_among, files_of, form_of_data, refuse_inputs
+from cgff_cli.report.files import STDOUT, write_output
+
+if TYPE_CHECKING:
+    from cgff_cli.as_given import Analysis
+
+_EPILOG = examples(
+    "cgff solve prism.yaml -o prism.json; cgff analyse prism.json --sensitivity verticals",
+    "cgff analyse bridge.yaml --modes 5 --format json | jq .analysis.critical_load_factor",
+)
+
+
+@click.command("analyse", cls=SectionCommand, epilog=_EPILOG)
+@output_flag("-o", "--output", dash=True, help="Write to FILE: .json everything; - is standard output.")
+@format_flag(
+    "table", "json", help="What to write to standard output. Default: table on a terminal, else json."
+)
+@flag(
+    "--modes",
+    section="Analysis",
+    type=click.IntRange(min=0),
+    default=3,
+    metavar="N",
+    help="Tell N mechanisms and the N softest motions. Default: 3.",
+)
+@flag(
+    "--sensitivity",
+    section="Analysis",
+    metavar="GROUP|A,B",
+    multiple=True,
+    help="Tell how nodes move and forces change per unit of rest length in all of a group, or in the element "
+    "that joins nodes A and B; may be repeated.",
+)
+@click.argument("scene", metavar="SCENE|RESULT", type=click.Path(allow_dash=True))
+@solve_option("tolerance")
+@solve_option("factor")
+@word_options
+@click.pass_context
+def command(ctx: click.Context, scene: str, **values: Any) -> None:
+    """Judge the coordinates of a scene, or of a result, as given.
+
+    Balance, states of self-stress, mechanisms, stability, softest motions, critical load factor. Nothing is
+    solved: where the forces do not balance the exit code is 4, and what can be told is told all the same. A
+    scene without rest lengths has states and mechanisms.
+    """
+    from cgff_cli import as_given
+    from cgff_cli.scene.read import load
+
+    form = form_of_data(values["output_format"], values["output"], {".json": "everything"})
+    targets = files_among([(values["output"], "the analysis")])
+    check_targets(targets, files_of([scene]))
+    given = load(scene, results=True)
+    refuse_inputs(targets, ((path, f"a file of {title(scene)}") for path in given.files))
+    own = {name: values[name] for name in ("modes", "sensitivity")} | given_solve_options(values)
+    found = as_given.analyse(given, **own)
+    write_output(values["output"] or STDOUT, _text(found, form))
+    warn_of(scene, given.warnings)
+    if found.balanced is False:
+        say(f"cgff: {title(scene)}: {found.message}")
+    ctx.exit(ExitCode.NOT_CONVERGED if found.balanced is False else ExitCode.OK)
+
+
+def _text(found: "Analysis", form: str) -> Iterable[str]:
+    """Return the pieces of text; their writer is imported now."""
+    if form == "table":
+        from cgff_cli.report.analysis_text import analysis_text
+
+        return [analysis_text(found, **screen(), full=bool(wanted("verbose")))]
+    from cgff_cli.report import json_out
+
+    return json_out.pretty(found.to_dict().items())
