@@ -36,11 +36,11 @@ class Structure:
     @property
     def part_count(self) -> int:
         """How many parts there are that no element joins."""
-        return int(self._parts(slice(None)).max()) + 1
+        return int(np.maximum.reduce(self._parts(slice(None)))) + 1
 
     def _parts(self, which: np.ndarray | slice) -> np.ndarray:
         """Return (n,) int: the connected part of each node; which: elements that join."""
-        return component_labels(len(self.free), np.stack((self.start, self.end), axis=1)[which])
+        return component_labels(len(self.free), np.array((self.start, self.end)).T[which])
 
     def is_tied(self, which: np.ndarray | slice = slice(None)) -> bool:
         """Return whether elements, all or some, (b,) bool, tie every node to one that nothing can move."""

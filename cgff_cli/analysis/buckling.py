@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 SLIGHT = 1e-9
 """Share of the stiffness that all loads together must change to be more than rounding."""
 
-NO_LOADS = "there are no loads"
-SINGULAR = "not told: some motion has no stiffness beyond rounding, so that loads may move it without end"
-NEVER = "no multiple of the loads makes the stiffness singular, as far as it is linear in them"
-NEITHER = "not told: neither with nor without the loads is every motion stiff"
-NEEDED = "not told: without the loads some motion is not stiff, and the structure is large"
-NOT_FOUND = "not told: no eigenvalue was found in a structure of this size"
+_NO_LOADS = "there are no loads"
+_SINGULAR = "not told: some motion has no stiffness beyond rounding, so that loads may move it without end"
+_NEVER = "no multiple of the loads makes the stiffness singular, as far as it is linear in them"
+_NEITHER = "not told: neither with nor without the loads is every motion stiff"
+_NEEDED = "not told: without the loads some motion is not stiff, and the structure is large"
+_NOT_FOUND = "not told: no eigenvalue was found in a structure of this size"
 
 
 def critical_load_factor(state: State, signs: Signs, doubt: float) -> tuple[float | None, str]:
@@ -36,10 +36,10 @@ def critical_load_factor(state: State, signs: Signs, doubt: float) -> tuple[floa
     """
     m = state.mechanics
     if m.F is None:
-        return None, NO_LOADS
+        return None, _NO_LOADS
     dx = signs.solved(m.F, doubt)
     if dx is None or not signs.is_sure or np.abs(signs.values).min() <= doubt:
-        return None, SINGULAR
+        return None, _SINGULAR
     dq = density_rate(state, m.connectivity.differences(dx))
     if isinstance(signs, Spectrum):
         return _of_small(signs, state, dq)
@@ -60,7 +60,7 @@ def _of_small(signs: Spectrum, state: State, dq: np.ndarray) -> tuple[float | No
         L, now = np.linalg.cholesky(np.diag(values) - G), 0.0
     except np.linalg.LinAlgError:
         if values[0] < 0.0:
-            return None, NEITHER
+            return None, _NEITHER
         L, now = np.diag(np.sqrt(values)), 1.0
     return _least(np.linalg.eigvalsh(np.linalg.solve(L, np.linalg.solve(L, G).T)), now)
 
@@ -70,7 +70,7 @@ def _least(rates: np.ndarray, now: float) -> tuple[float | None, str]:
     telling = rates[np.abs(rates) > SLIGHT]
     factors = now - 1.0 / telling
     factors = factors[factors > SLIGHT]
-    return (float(factors.min()), "") if len(factors) else (None, NEVER)
+    return (float(factors.min()), "") if len(factors) else (None, _NEVER)
 
 
 def _of_large(signs: "LargeSpectrum", dq: np.ndarray) -> tuple[float | None, str]:
@@ -80,5 +80,5 @@ def _of_large(signs: "LargeSpectrum", dq: np.ndarray) -> tuple[float | None, str
     try:
         rates = signs.stress_rates(dq)
     except ArpackError:
-        return None, NOT_FOUND
-    return (None, NEEDED) if rates is None else _least(rates, 0.0)
+        return None, _NOT_FOUND
+    return (None, _NEEDED) if rates is None else _least(rates, 0.0)

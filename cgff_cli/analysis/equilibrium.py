@@ -32,7 +32,7 @@ def analysed(
     most = float("inf") if options.analysis == "always" else MOST
     # A shape that is no equilibrium stands for itself; one that is, for the exact one near by.
     tolerance = rank_tolerance(solution.relative if converged else 0.0)
-    found: dict[str, Any] = {}
+    found: dict[str, Any] = {"prestressed": carries(state, floor)}
     ranks = None
     if len(state.mechanics.dofs) <= most:
         ranks = Ranks(state, tolerance)
@@ -42,7 +42,7 @@ def analysed(
         # What resists every motion resists mechanisms, which stress alone can.
         found["prestress_stable"] = found["stable"] or found.get("mechanisms") == 0 or None
     if converged and found["stable"] is not None and ranks is not None:
-        found["super_stable"] = found["stable"] and carries(state, floor) and ranks.is_super_stable()
+        found["super_stable"] = found["stable"] and found["prestressed"] and ranks.is_super_stable()
     return _told(scene, solution, found, reasons(found, converged, ranks is not None))
 
 
@@ -60,7 +60,8 @@ def stability_of(
 
 def unanalysed(scene: Scene, solution: Solution, why: str) -> dict[str, Any]:
     """Return the `analysis` object without ranks and stability, and why they are null."""
-    return _told(scene, solution, {}, dict.fromkeys(TOLD, why))
+    found = {"prestressed": carries(solution.state, solution.balance.floor)}
+    return _told(scene, solution, found, dict.fromkeys(TOLD, why))
 
 
 def carries(state: State, floor: float) -> bool:
@@ -76,7 +77,7 @@ def _told(scene: Scene, solution: Solution, found: dict[str, Any], reason: dict[
     return {
         **{name: found.get(name) for name in TOLD},
         "parts": solution.mechanics.structure.part_count,
-        "prestressed": carries(state, floor),
+        "prestressed": found["prestressed"],
         "slack_count": len(slack),
         "slack_cables": labels(scene, slack[:MOST_NAMED]),
         "struts_in_tension_count": len(pulled),

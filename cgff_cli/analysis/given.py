@@ -16,17 +16,17 @@ from cgff_cli.analysis.stability import LEAST, Signs, resists
 from cgff_cli.mechanics.state import State
 from cgff_cli.options import SolveOptions
 from cgff_cli.scene.scene import Scene
-from cgff_cli.scene.select import element_rows
+from cgff_cli.scene.select import chosen_rows
 from cgff_cli.solvers.solution import Solution
 
 MAIN, MOST_MAIN = 0.5, 6
 """Share of a shape's largest motion from which a node is a main one of it, and how many are named."""
 
 GEOMETRY = "a geometry has no rest lengths, and so no forces and no stiffness; cgff prestress finds some"
-COUNT_UNSURE = "not told: rounding in the factors of K hides the signs of some eigenvalues"
-STRESS_UNSURE = "not told: along some mechanism rounding hides the sign of what stress resists"
-MANY = "not told: the structure is large and not stable, and its mechanisms are not known one by one"
-NOT_FOUND = "not told: the softest motions of a structure of this size were not found"
+_COUNT_UNSURE = "not told: rounding in the factors of K hides the signs of some eigenvalues"
+_STRESS_UNSURE = "not told: along some mechanism rounding hides the sign of what stress resists"
+_MANY = "not told: the structure is large and not stable, and its mechanisms are not known one by one"
+_NOT_FOUND = "not told: the softest motions of a structure of this size were not found"
 OF_FORCES = (
     *("nullity_D", "condition_D", *OF_EQUILIBRIA, "critical_load_factor"),
     *("prestressed", "slack_count", "slack_cables", "struts_in_tension_count", "struts_in_tension"),
@@ -82,7 +82,7 @@ class Given:
         if self.base["prestress_stable"] is None and self.balanced:
             told["prestress_stable"] = self._resisted(stress)
         modes = [*mechanisms, *softest] if softest is not None else None
-        return _with(self.base, told | {"modes": (modes, NOT_FOUND)})
+        return _with(self.base, told | {"modes": (modes, _NOT_FOUND)})
 
     def analysis_of_geometry(self) -> dict[str, Any]:
         """Return the same of a geometry: states and mechanisms, without forces and stiffness."""
@@ -95,7 +95,7 @@ class Given:
 
         Raises OptionError where there is no such group or element.
         """
-        rows = element_rows(self.scene, of)
+        rows = chosen_rows(self.scene, of)
         if not self.balanced:
             return Sensitivity(None, None, NOT_BALANCED)
         return unit_response(*self.tangent, rows, self.scene.law == "hooke", self.doubt)
@@ -107,8 +107,8 @@ class Given:
         factor = critical_load_factor(state, signs, self.doubt) if self.balanced else (None, NOT_BALANCED)
         told: Told = {
             "smallest_stiffness": (float(values[0]) if len(values) else None, ALL_IDLE),
-            "tangent_eigenvalues": (values[:LEAST].tolist() if is_found else None, NOT_FOUND),
-            "negative_eigenvalues": (signs.counted(self.doubt), COUNT_UNSURE),
+            "tangent_eigenvalues": (values[:LEAST].tolist() if is_found else None, _NOT_FOUND),
+            "negative_eigenvalues": (signs.counted(self.doubt), _COUNT_UNSURE),
             "critical_load_factor": factor,
         }
         return told, self._named("softest", values, shapes) if is_found else None
@@ -126,10 +126,10 @@ class Given:
         """Return whether stress resists every mechanism; stress: what `_mechanisms` returns."""
         state = self.solution.state
         if stress is None:
-            return None, MANY if self.base["mechanisms"] else self.base["reason"]["mechanisms"]
+            return None, _MANY if self.base["mechanisms"] else self.base["reason"]["mechanisms"]
         if not carries(state, self.floor) or stress[0] < -stress_blur(state):
             return False, ""
-        return True if stress[0] > stress_blur(state) else None, STRESS_UNSURE
+        return True if stress[0] > stress_blur(state) else None, _STRESS_UNSURE
 
     def _named(self, kind: str, values: np.ndarray, shapes: np.ndarray) -> list[Mode]:
         """Return motions, (m, n, d), as records of nodes by name."""

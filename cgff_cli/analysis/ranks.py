@@ -9,6 +9,7 @@ from cgff_cli.mechanics.connectivity import dense
 from cgff_cli.mechanics.elements import EPS
 from cgff_cli.mechanics.equilibrium import equilibrium_matrix, force_density_matrix
 from cgff_cli.mechanics.norms import largest
+from cgff_cli.mechanics.signs import is_positive
 from cgff_cli.mechanics.state import State
 from cgff_cli.solvers.stopping import VANISHED
 
@@ -16,6 +17,9 @@ LEAST_TOLERANCE = 1e-9
 
 SPANNED = 1e-9
 """Relative size below which a shape has no extent in a direction."""
+
+PLAINLY = 1e-6
+"""Least eigenvalue of Y^T Y, Y a shape of size 1 about its centroid, at which it plainly is not flat."""
 
 
 def rank_tolerance(relative: float) -> float:
@@ -42,8 +46,8 @@ class Ranks:
         self.threshold = max(tolerance * largest(state.q), VANISHED * blurred)
         U = state.V / state.l
         if m.is_small:
-            s = m.structure
-            rho_t = dense(s.start, s.end, len(s.free))
+            s, own = m.structure, m.connectivity
+            rho_t = own.rho_t if own.is_small and m.moves is None else dense(s.start, s.end, len(s.free))
             self.U, self.D = equilibrium_matrix(rho_t, U), force_density_matrix(rho_t, state.q)
         else:
             self.U, self.D = _sparse(state, U)
@@ -123,7 +127,10 @@ def _affine_motions(state: State, axes: np.ndarray) -> int:
     """Return how many affine functions of place are zero where held, summed over axes, (a, n) bool: free."""
     X = state.mechanics.everywhere(state.X).T
     Y = X - np.add.reduce(X, 0) * (1.0 / len(X))
-    spanned = np.concatenate((np.ones((len(X), 1)), Y / (np.abs(Y).max() or 1.0)), axis=1)
+    Y *= 1.0 / (largest(Y) or 1.0)
+    if axes.all() and is_positive(Y.T @ Y, -PLAINLY):
+        return (1 + Y.shape[1]) * len(axes)
+    spanned = np.concatenate((np.ones((len(X), 1)), Y), axis=1)
     left, values, _ = np.linalg.svd(spanned, full_matrices=False)
     affine = left[:, values > SPANNED * values[0]]
     held = [affine[~free] for free in axes if not free.all()]

@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from cgff_cli.as_given import Analysis
 
 _EPILOG = examples(
-    "cgff solve prism.yaml -o prism.json; cgff analyse prism.json --sensitivity verticals",
-    "cgff analyse bridge.yaml --modes 5 --format json | jq .analysis.critical_load_factor",
+    "cgff solve prism.yaml -o prism.json && cgff analyse prism.json --sensitivity verticals",
+    "cgff analyse bridge.yaml --modes 5 --format json | jq .analysis.modes",
 )
 
 
@@ -57,11 +57,12 @@ _EPILOG = examples(
 @word_options
 @click.pass_context
 def command(ctx: click.Context, scene: str, **values: Any) -> None:
-    """Judge the coordinates of a scene, or of a result, as given.
+    """Judge a shape as given: balance, states, mechanisms, stability.
 
-    Balance, states of self-stress, mechanisms, stability, softest motions, critical load factor. Nothing is
-    solved: where the forces do not balance the exit code is 4, and what can be told is told all the same. A
-    scene without rest lengths has states and mechanisms.
+    The coordinates are those of a scene, or those that a result of `cgff solve` has found; nothing is solved.
+    Told are also the softest motions, the critical load factor and what rest lengths do. Where the forces do
+    not balance the exit code is 4, and what can be told is told all the same. A scene without rest lengths
+    has states of self-stress and mechanisms.
     """
     from cgff_cli import as_given
     from cgff_cli.scene.read import load

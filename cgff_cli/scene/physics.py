@@ -21,27 +21,26 @@ def component_labels(n: int, pairs: np.ndarray) -> np.ndarray:
     from scipy.sparse.csgraph import connected_components
 
     graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
-    return _by_first(connected_components(graph, directed=False)[1])
+    return _by_first(connected_components(graph, directed=False)[1].tolist())
 
 
 def _labels_by_union(n: int, pairs: np.ndarray) -> np.ndarray:
     parent = list(range(n))
-
-    def root(i: int) -> int:
-        """Return the node that stands for the part of node i."""
-        while parent[i] != i:
-            parent[i] = parent[parent[i]]
-            i = parent[i]
-        return i
-
     for a, b in pairs.tolist():
-        parent[root(a)] = root(b)
-    return _by_first(np.array([root(i) for i in range(n)], dtype=int))
+        while parent[a] != a:
+            parent[a] = a = parent[parent[a]]
+        while parent[b] != b:
+            parent[b] = b = parent[parent[b]]
+        # The first node stands for a part, so that parents come before their nodes.
+        parent[max(a, b)] = min(a, b)
+    for i, above in enumerate(parent):
+        parent[i] = parent[above]
+    return _by_first(parent)
 
 
-def _by_first(labels: np.ndarray) -> np.ndarray:
+def _by_first(labels: list[int]) -> np.ndarray:
     number: dict[int, int] = {}
-    return np.array([number.setdefault(label, len(number)) for label in labels.tolist()], dtype=int)
+    return np.array([number.setdefault(label, len(number)) for label in labels], dtype=int)
 
 
 def all_pairs(groups: Sequence[Group]) -> np.ndarray:

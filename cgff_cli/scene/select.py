@@ -9,7 +9,7 @@ from cgff_cli.scene.physics import all_pairs
 from cgff_cli.scene.scene import Scene
 
 
-def element_rows(scene: Scene, name: str) -> np.ndarray:
+def chosen_rows(scene: Scene, name: str) -> np.ndarray:
     """Return the rows of a group's elements, or of the one that joins nodes A and B, written A,B.
 
     Raises OptionError where there is none, or where several join two nodes. A group's name comes first.
