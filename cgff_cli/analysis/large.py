@@ -59,7 +59,7 @@ class LargeSpectrum:
         self.blurred = blurred_at_most(state)
         self.doubt = self.blurred + 4.0 * largest(state.g) / self.shortest
         idle, self.is_sure = idle_motions(state, floor)
-        self.softest, self.values, (d, m) = float("inf"), np.zeros(0), state.X.shape
+        self.softest, (d, m) = inf, state.X.shape
         self.places = mechanics.dofs % m * d + mechanics.dofs // m
         self.R = np.zeros((m * d, idle.shape[1]))
         self.R[self.places] = idle
@@ -70,10 +70,10 @@ class LargeSpectrum:
         self.shift, self.factor = _shifted(*self.K, BLUR * stiffest)
         self.matrix = csc_of(pattern, data)
         self.count = len(self.places) - idle.shape[1]
+        self._found = self._softest(min(count, self.count))
+        self.values = self._found[0]
         if self.count:
-            self._found = self._softest(min(count, self.count))
-            self.values, _, is_found = self._found
-            self.is_sure &= is_found
+            self.is_sure &= self._found[2]
             self.softest = float(self.values[0])
 
     def newton_steps(self) -> list[np.ndarray]:
@@ -98,15 +98,17 @@ class LargeSpectrum:
             return count
         sides = [below(self.matrix, side) for side in (-10.0 * error, 10.0 * error)] if error < inf else []
         # Where nothing but idle motions lies in what the factor blurs, no sign hangs on that.
-        if not sides or max(own for _, own in sides) > error or sides[1][0] - self.R.shape[1] != sides[0][0]:
+        if (
+            not sides
+            or max(own for _, own in sides) > 2.0 * error
+            or sides[1][0] - self.R.shape[1] != sides[0][0]
+        ):
             return None
         return sides[0][0]
 
     def modes(self, count: int) -> tuple[np.ndarray, np.ndarray, bool]:
         """Return the (c,) least stiffnesses, unit shapes (c, d, m), and whether these are they."""
         count, (d, m) = min(count, self.count), self.state.X.shape
-        if not count:
-            return np.zeros(0), np.zeros((0, d, m)), True
         values, x, is_found = self._found if count <= len(self.values) else self._softest(count)
         return values[:count], x[:, :count].T.reshape(count, m, d).swapaxes(1, 2), is_found
 
@@ -116,6 +118,9 @@ class LargeSpectrum:
         What the shift of the factor leaves wrong is solved for again.
         """
         b = self._cleared(F.T.reshape(-1))
+        soft = self._found[1][:, np.abs(self.values) <= doubt]
+        if largest(soft.T @ b) > DRIVEN * norm(b):
+            return None
         x, left = np.zeros_like(b), b
         for _ in range(MOST_SOLVES):
             if norm(left) <= DRIVEN * norm(b):
@@ -147,13 +152,22 @@ class LargeSpectrum:
             return None
         M, G = (csc_of(pattern, own) for own in (unloaded, change))
         inverse = LinearOperator(M.shape, lambda y: self._cleared(factor.solve(y)), dtype=float)
-        return eigsh(G, 1, M, Minv=inverse, which="SA", v0=self._start(1)[:, 0], return_eigenvectors=False)
+        return eigsh(
+            *(G, 1, M),
+            which="SA",
+            v0=self._start(1)[:, 0],
+            tol=CLOSE,
+            Minv=inverse,
+            return_eigenvectors=False,
+        )
 
     def _softest(self, count: int) -> tuple[np.ndarray, np.ndarray, bool]:
         """Return least eigenvalues (count,) of K, their vectors (f, count), and whether these were found.
 
         More vectors at a time than are asked for find motions that are equally stiff.
         """
+        if not count:
+            return np.zeros(0), np.zeros((len(self.R), 0)), True
         width = min(count + 1, self.count) if count > 1 else 1
         x, is_found = largest_of(self._inverse, self._start(width), count, self.count)
         values, turned = np.linalg.eigh(x.T @ (self.matrix @ x))
