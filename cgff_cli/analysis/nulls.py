@@ -25,22 +25,23 @@ APART = 1e-4
 
 ITERATIONS, GUARDS = 3, 8
 
-MUDDLED = 10.0
-"""Factor between two singular values, one kept and one left out, below which the threshold alone decides."""
+NONE = float("nan")
+
+MUDDLED, NEAR = 10.0, 3.0
+"""Least factors of a singular value kept over one left out, and over the threshold, or that decides alone."""
 
 
 class Rank(NamedTuple):
     """How many singular values exceed a threshold, None where none can tell; the least of these, the greatest
-    of the others; NaN where that is not looked at, and where there is none."""
+    of the others; NaN where that is not looked at, and where there is none.
+
+    is_muddled: whether the threshold alone decides, as values stand near it, or near each other about it.
+    """
 
     number: int | None
-    kept: float = float("nan")
-    left: float = float("nan")
-
-    @property
-    def is_muddled(self) -> bool:
-        """Whether values lie on either side of the threshold, too near each other to tell them apart."""
-        return self.kept < MUDDLED * self.left
+    kept: float = NONE
+    left: float = NONE
+    is_muddled: bool = False
 
 
 def rank(U: Any, threshold: float, seems_full: bool = False) -> Rank:
@@ -69,7 +70,8 @@ def _ranked(values: np.ndarray, threshold: float, count: int) -> Rank:
     """Return the rank of a matrix with so many singular values, the least of them given, falling."""
     left = int((values <= threshold).sum())
     own = len(values) - left
-    return Rank(count - left, values[own - 1] if own else float("nan"), values[own] if left else float("nan"))
+    least, greatest = (values[own - 1] if own else NONE), (values[own] if left else NONE)
+    return Rank(count - left, least, greatest, least < MUDDLED * greatest or least < NEAR * threshold)
 
 
 def zeros(D: Any, threshold: float) -> tuple[int | None, bool | None]:

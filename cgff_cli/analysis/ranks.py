@@ -76,6 +76,7 @@ class Ranks:
             "condition_U": None if n_U is None else n_U >= 1,
             "self_stress_states": _less(count, taut_rank),
             "mechanisms": _less(U.shape[0] - rigid, taut_rank),
+            "rank_unsure": taut_rank.is_muddled,
             "rank_gap": float(kept / left) if kept == kept and left == left else None,
             "rigid_motions": rigid,
             "rank_tolerance": self.tolerance,

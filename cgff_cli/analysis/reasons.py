@@ -2,8 +2,6 @@
 
 from typing import Any
 
-from cgff_cli.analysis.nulls import MUDDLED
-
 MOST = 3000
 """Free directions up to which ranks are computed without being asked for (tests/studies/analysis_cost.py)."""
 
@@ -39,10 +37,7 @@ BLURRED = "not told: forces out of balance blur the sign of the stiffness; a sma
 ALL_IDLE = "nothing can move but, at no cost, the whole"
 LEFT_TO_ANALYSE = "not computed by a solve: cgff analyse tells it"
 NO_GAP = "no singular value is left out, or none is kept, so that there is no gap between the two"
-RANK_UNSURE = (
-    "not told: singular values on either side of the rank tolerance are less than a factor of "
-    f"{MUDDLED:.0f} apart (rank_gap), so that the tolerance alone would decide"
-)
+RANK_UNSURE = "not told: singular values stand so near the rank tolerance that it alone would decide"
 
 
 def reasons(found: dict[str, Any], converged: bool, has_ranks: bool) -> dict[str, str]:
@@ -51,8 +46,7 @@ def reasons(found: dict[str, Any], converged: bool, has_ranks: bool) -> dict[str
     if not has_ranks:
         reason |= dict.fromkeys((*OF_SHAPES, "super_stable"), TOO_LARGE)
     else:
-        gap = found.get("rank_gap")
-        unsure = RANK_UNSURE if gap is not None and gap < MUDDLED else TOO_SOFT
+        unsure = RANK_UNSURE if found["rank_unsure"] else TOO_SOFT
         reason |= dict.fromkeys((*OF_SHAPES, "super_stable"), unsure) | {"rank_gap": NO_GAP}
     if not converged:
         reason |= dict.fromkeys(OF_EQUILIBRIA, NOT_BALANCED)
