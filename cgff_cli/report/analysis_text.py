@@ -12,6 +12,9 @@ from cgff_cli.as_given import Analysis
 from cgff_cli.report.table import analysis_words, changes_table, group_table, structure_words
 from cgff_cli.report.terminal import Column, aligned, clean, count, fields, number, numbers, rendered
 
+_CLEAR = 1e9
+"""Gap of singular values whose digits nobody needs: what is left out is rounding."""
+
 _TITLES = {
     "stable": ("stable", "bold green"),
     "unstable": ("unstable", "bold red"),
@@ -51,8 +54,10 @@ def _facts(found: Analysis) -> Iterator[tuple[str, str]]:
     if found.residual is not None:
         yield "residual", f"{found.residual['max']:.2e}, rounding {found.residual['rounding_floor']:.1e}"
     yield "analysis", analysis_words(analysis)
-    if analysis["rank_gap"] is not None:
-        yield "rank", f"singular values kept and left out are a factor of {analysis['rank_gap']:.1e} apart"
+    gap = analysis["rank_gap"]
+    if gap is not None:
+        apart = f"a factor of {gap:.1e}" if gap < _CLEAR else f"more than a factor of {_CLEAR:.0e}"
+        yield "rank", f"singular values that count and those that do not are {apart} apart"
     if analysis["tangent_eigenvalues"]:
         yield "stiffness", f"least: {', '.join(map(number, analysis['tangent_eigenvalues']))}"
     names: dict[str, list[str]] = {}
@@ -105,5 +110,5 @@ def _sensitivity(found: Analysis, of: str, own: Sensitivity, full: bool) -> Iter
     names, size = found.result.source.node_names, np.linalg.norm(X, axis=1)
     most = np.argsort(-size.round(12), kind="stable")[: len(names) if full else 3].tolist()
     moved = ", ".join(f"{clean(names[row])} {number(size[row])}" for row in most)
-    yield fields([(f"per unit of {clean(of)}", f"nodes move, most of all {moved}; forces change:")])
+    yield fields([(f"per unit of {clean(of)}", f"nodes move, most of all {moved}; forces change")])
     yield from changes_table(found.result, t)
