@@ -6,13 +6,14 @@ lambda = 0 the unloaded one, and the least lambda > 0 at which this is singular 
 bounds nothing where the shape changes much on the way: an arch that flattens snaps before.
 """
 
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from cgff_cli.analysis.lanczos import CLOSE, Operator, largest_of
 from cgff_cli.analysis.mechanisms import stress_matrix
 from cgff_cli.analysis.stability import Signs
-from cgff_cli.mechanics.signs import Spectrum
+from cgff_cli.mechanics.signs import Spectrum, is_positive
 from cgff_cli.mechanics.state import State
 
 if TYPE_CHECKING:
@@ -42,8 +43,8 @@ def critical_load_factor(state: State, signs: Signs, doubt: float) -> tuple[floa
         return None, _SINGULAR
     dq = density_rate(state, m.connectivity.differences(dx))
     if isinstance(signs, Spectrum):
-        return _of_small(signs, state, dq)
-    return _of_large(cast("LargeSpectrum", signs), dq)
+        return _of_small(signs, state, dq, doubt)
+    return _of_large(cast("LargeSpectrum", signs), dq, doubt)
 
 
 def density_rate(state: State, Z: np.ndarray) -> np.ndarray:
@@ -52,16 +53,17 @@ def density_rate(state: State, Z: np.ndarray) -> np.ndarray:
     return m.k * state.taut * np.einsum("ab,ab->b", state.V, Z) / (state.l * state.l)
 
 
-def _of_small(signs: Spectrum, state: State, dq: np.ndarray) -> tuple[float | None, str]:
+def _of_small(signs: Spectrum, state: State, dq: np.ndarray, doubt: float) -> tuple[float | None, str]:
     values, vectors = signs.eigen
     dofs = state.mechanics.dofs
     G = vectors.T @ stress_matrix(state, dq)[np.ix_(dofs, dofs)] @ vectors
-    try:
-        L, now = np.linalg.cholesky(np.diag(values) - G), 0.0
-    except np.linalg.LinAlgError:
-        if values[0] < 0.0:
-            return None, _NEITHER
+    unloaded = np.diag(values) - G
+    if is_positive(unloaded.copy(), -doubt):
+        L, now = np.linalg.cholesky(unloaded), 0.0
+    elif values[0] > 0.0:
         L, now = np.diag(np.sqrt(values)), 1.0
+    else:
+        return None, _NEITHER
     return _least(np.linalg.eigvalsh(np.linalg.solve(L, np.linalg.solve(L, G).T)), now)
 
 
@@ -73,12 +75,39 @@ def _least(rates: np.ndarray, now: float) -> tuple[float | None, str]:
     return (float(factors.min()), "") if len(factors) else (None, _NEVER)
 
 
-def _of_large(signs: "LargeSpectrum", dq: np.ndarray) -> tuple[float | None, str]:
-    """Return the same by Lanczos' method, where K is positive without the loads."""
-    from scipy.sparse.linalg import ArpackError
+def _of_large(signs: "LargeSpectrum", dq: np.ndarray, doubt: float) -> tuple[float | None, str]:
+    """Return the same by Lanczos' method, where K is not negative without the loads.
 
+    Nothing is then singular between no load and the present one if that is stable, and only what more load
+    does is sought; else what the loads have done on the way from none.
+    """
+    change = signs.pattern.fill(signs.state.V, np.zeros(len(dq)), dq, held=0.0)
+    unloaded = signs.data - change
+    factor = signs.factor_of(unloaded)
+    if factor is None:
+        return None, _NEEDED
+    G = signs.pattern.matrix(change)
+    if signs.softest > doubt:
+        return _lowered(G, signs.matrix, lambda y: signs.refined(signs.cleared(y))[0], signs, 1.0)
+
+    def inverse(y: np.ndarray) -> np.ndarray:
+        """Return what the unloaded structure makes of forces."""
+        return signs.cleared(factor.solve(y))
+
+    K = signs.pattern.matrix(unloaded)
+    (x,) = largest_of(inverse, signs.start(1), 1, signs.count)[0].T
+    return _lowered(G, K, inverse, signs, 0.0) if x @ (K @ x) > doubt else (None, _NEEDED)
+
+
+def _lowered(
+    G: Any, K: Any, inverse: Operator, signs: "LargeSpectrum", now: float
+) -> tuple[float | None, str]:
+    """Return the factor at which more load makes K, that at the factor `now`, singular."""
+    from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
+
+    Minv, v0 = LinearOperator(K.shape, inverse, dtype=float), signs.start(1)[:, 0]
     try:
-        rates = signs.stress_rates(dq)
+        rates = eigsh(G, 1, K, which="SA", v0=v0, tol=CLOSE, Minv=Minv, return_eigenvectors=False)
     except ArpackError:
         return None, _NOT_FOUND
-    return (None, _NEEDED) if rates is None else _least(rates, 0.0)
+    return _least(rates[rates < 0.0], now)

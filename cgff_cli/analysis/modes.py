@@ -15,7 +15,8 @@ NEARLY = 1.0 - 1e-6
 class Modes(NamedTuple):
     """The softest motions: stiffnesses (m,), force per length, rising; unit shapes (m, n, d), all nodes.
 
-    is_found: whether they are known to be the softest, none left out.
+    is_found: whether the first is known to be the softest. Fewer are told than asked for where no more were
+    found, or exist.
     """
 
     stiffnesses: np.ndarray
