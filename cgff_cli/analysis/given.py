@@ -7,7 +7,7 @@ import numpy as np
 
 from cgff_cli.analysis.buckling import critical_load_factor
 from cgff_cli.analysis.equilibrium import analysed, carries
-from cgff_cli.analysis.mechanisms import mechanisms_of, stress_blur
+from cgff_cli.analysis.mechanisms import mechanisms_of
 from cgff_cli.analysis.modes import by_nodes, modes_of, spectrum_of
 from cgff_cli.analysis.ranks import Ranks
 from cgff_cli.analysis.reasons import ALL_IDLE, NOT_BALANCED, OF_EQUILIBRIA
@@ -127,9 +127,9 @@ class Given:
         state = self.solution.state
         if stress is None:
             return None, _MANY if self.base["mechanisms"] else self.base["reason"]["mechanisms"]
-        if not carries(state, self.floor) or stress[0] < -stress_blur(state):
+        if not carries(state, self.floor) or stress[0] < -self.doubt:
             return False, ""
-        return True if stress[0] > stress_blur(state) else None, _STRESS_UNSURE
+        return True if stress[0] > self.doubt else None, _STRESS_UNSURE
 
     def _named(self, kind: str, values: np.ndarray, shapes: np.ndarray) -> list[Mode]:
         """Return motions, (m, n, d), as records of nodes by name."""

@@ -122,7 +122,7 @@ class LargeSpectrum:
         return np.ascontiguousarray(x.reshape(F.shape[::-1]).T)
 
     def refined(self, b: np.ndarray) -> tuple[np.ndarray, float]:
-        """Return K^-1 b without idle motions, (f,), whatever a factor's shift, and the norm of what is left."""
+        """Return K^-1 b without idle motions, (f,), whatever the shift, and the norm of what is left."""
         x, rest, left = np.zeros_like(b), b, norm(b)
         while left > SOLVED * norm(b):
             better = x + self.cleared(self._direct.solve(rest))

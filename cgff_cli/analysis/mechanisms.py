@@ -5,14 +5,10 @@ least of its values there tells prestress-stability (Pellegrino and Calladine 19
 are the mechanisms, told apart.
 """
 
-from math import sqrt
-
 import numpy as np
 
 from cgff_cli.analysis.ranks import Ranks
 from cgff_cli.mechanics import tangent
-from cgff_cli.mechanics.norms import norm
-from cgff_cli.mechanics.signs import BLUR, shortest
 from cgff_cli.mechanics.state import State
 
 
@@ -45,9 +41,3 @@ def stress_matrix(state: State, q: np.ndarray) -> np.ndarray:
     nothing = np.zeros(len(q), dtype=bool)
     bare = state.parts(taut=nothing)._replace(q=q)
     return tangent.stiffness_matrix(state.mechanics.connectivity, bare, state.mechanics.mask)
-
-
-def stress_blur(state: State) -> float:
-    """Return the size below which rounding and what is out of balance leave a stress stiffness no sign."""
-    own = norm(state.q) * 4.0
-    return BLUR * sqrt(state.X.size) * own + 4.0 * state.norm / shortest(state)

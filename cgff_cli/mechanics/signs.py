@@ -112,8 +112,11 @@ class Spectrum:
         self.shortest = shortest(state)
         self.doubt = self.blurred + 4.0 * state.norm / self.shortest
         R, self.is_sure = idle_motions(state, floor)
-        if R.size:  # K R is no more than what is left of the forces: R above all else leaves the rest alone
-            K += (2.0 * norm(K) * R) @ R.T
+        if R.size:
+            KR, above = K @ R, 2.0 * norm(K)
+            if largest(KR) ** 2 > self.blurred * above:  # forces out of balance tie R to the rest
+                K -= KR @ R.T + R @ (KR - R @ (R.T @ KR)).T
+            K += (above * R) @ R.T  # above all else, where it leaves the rest alone
         self.K, self.count = K, len(K) - R.shape[1]
         self.values = np.linalg.eigvalsh(K)[: self.count]
         self.softest = float(self.values[0]) if self.count else float("inf")

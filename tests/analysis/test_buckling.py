@@ -72,6 +72,43 @@ def test_an_arch_loses_its_stiffness_where_the_linear_change_of_forces_says(load
     assert factor(body) == pytest.approx(known, rel=1e-9)
 
 
+def beside(body, *, weight=0.0, stay=False):
+    """Return a column with a pendulum beside it, or with a slack cable from foot to head."""
+    X, n = body.coordinates.tolist(), len(body.coordinates)
+    bars = [(*g.pairs[0].tolist(), g.kind, float(g.EA[0]), float(g.rest_length[0])) for g in body.groups]
+    supports, loads = dict(body.supports), dict(body.loads)
+    if weight:
+        X += [(9.0, 0.0), (9.0, -1.0 - weight / 100.0)]
+        bars.append((n, n + 1, "strut", 100.0, 1.0))
+        supports[n], loads[n + 1] = "xy", (0.0, -weight)
+    if stay:
+        bars.append((0, max(loads), "cable", 500.0, 50.0))
+    return scene(X, bars, supports, loads)
+
+
+@pytest.fixture(params=[False, True], ids=["dense", "sparse"])
+def entries(request, monkeypatch):
+    """Let every structure be small, then large."""
+    if request.param:
+        monkeypatch.setattr(connectivity, "DENSE_ENTRIES", 0)
+
+
+def test_what_its_load_alone_makes_stiff_does_not_hide_what_buckles(entries):
+    alone, hung = column(3, 0.5), beside(column(3, 0.5), weight=1.0)
+    assert factor(hung) == pytest.approx(factor(alone), rel=1e-8)
+
+
+def test_stiff_neither_with_nor_without_loads_has_no_factor(entries):
+    told = cgff_cli.analyse(beside(column(2, 4.0), weight=1.0)).analysis
+    assert told["stability"] == "unstable"
+    assert told["critical_load_factor"] is None
+    assert "without the loads" in told["reason"]["critical_load_factor"]
+
+
+def test_a_slack_cable_takes_no_part_in_buckling(entries):
+    assert factor(beside(column(3, 0.5), stay=True)) == pytest.approx(factor(column(3, 0.5)), rel=1e-9)
+
+
 def test_doubling_the_load_of_a_stiff_column_halves_the_factor():
     assert factor(column(3, 0.2)) == pytest.approx(2.0 * factor(column(3, 0.4)), rel=1e-3)
 

@@ -43,6 +43,7 @@ def test_modes_are_the_least_eigenvectors_of_the_tangent_without_rigid_motions(n
     [
         ("prism", {}),
         ("tower", {"stages": 20}),
+        ("tower", {"stages": 60}),
         ("net", {"side": 9}),
         ("snake", {"modules": 12}),
         ("polyhedron", {"kind": "icosahedron"}),
