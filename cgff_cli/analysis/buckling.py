@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from cgff_cli.analysis.large import LargeSpectrum
 
 SLIGHT = 1e-9
-"""Share of the stiffness that all loads together must change to be more than rounding."""
+"""Least factor, and over the greatest 1, that is more than rounding of none."""
 
 _NO_LOADS = "there are no loads"
 _SINGULAR = "not told: some motion has no stiffness beyond rounding, so that loads may move it without end"
@@ -69,9 +69,9 @@ def _of_small(signs: Spectrum, state: State, dq: np.ndarray, doubt: float) -> tu
 
 def _least(rates: np.ndarray, now: float) -> tuple[float | None, str]:
     """Return the least positive factor; rates: eigenvalues of K_G against K at the factor `now`."""
-    telling = rates[np.abs(rates) > SLIGHT]
-    factors = now - 1.0 / telling
-    factors = factors[factors > SLIGHT]
+    with np.errstate(divide="ignore"):
+        factors = now - 1.0 / rates
+    factors = factors[(factors > SLIGHT) & (factors < 1.0 / SLIGHT)]
     return (float(factors.min()), "") if len(factors) else (None, _NEVER)
 
 

@@ -73,7 +73,7 @@ def test_an_arch_loses_its_stiffness_where_the_linear_change_of_forces_says(load
 
 
 def beside(body, *, weight=0.0, stay=False):
-    """Return a column with a pendulum beside it, or with a slack cable from foot to head."""
+    """Return a column with a pendulum beside it, or with a slack cable along its first link."""
     X, n = body.coordinates.tolist(), len(body.coordinates)
     bars = [(*g.pairs[0].tolist(), g.kind, float(g.EA[0]), float(g.rest_length[0])) for g in body.groups]
     supports, loads = dict(body.supports), dict(body.loads)
@@ -82,7 +82,7 @@ def beside(body, *, weight=0.0, stay=False):
         bars.append((n, n + 1, "strut", 100.0, 1.0))
         supports[n], loads[n + 1] = "xy", (0.0, -weight)
     if stay:
-        bars.append((0, max(loads), "cable", 500.0, 50.0))
+        bars.append((0, 1, "cable", 500.0, 50.0))
     return scene(X, bars, supports, loads)
 
 

@@ -156,7 +156,11 @@ def test_two_runs_write_the_same_bytes(run: Run, solved: str):
     ("old", "new", "message"),
     [
         ('"EA": 1000.0', '"EA": -1.0', "prism.json:{}: elements.struts.EA[0]: must be > 0, got -1.0"),
-        ('"end": "n6"', '"end": "n9"', "node 'n9' is not defined"),
+        (
+            '"end": "n6"',
+            '"end": "n9"',
+            "prism.json:{}: elements.triangles.pairs[4][1]: node 'n9' is not defined",
+        ),
         ('"law": "paper"', '"law": "papr"', "law: must be paper"),
         (
             '"kind": "cable"',
@@ -170,7 +174,7 @@ def test_a_damaged_result_is_told_at_its_place(run: Run, solved: str, old: str, 
     text = Path(solved).read_text()
     assert old in text
     place = text[: text.index(old)]
-    line, column = place.count("\n") + 1, len(place) - place.rfind("\n") + len('"EA": ')
+    line, column = place.count("\n") + 1, len(place) - place.rfind("\n") + len(old.partition(" ")[0]) + 1
     Path(solved).write_text(text.replace(old, new, 1))
     ended = run("analyse", solved)
     assert (ended.exit_code, ended.stdout) == (3, "")
