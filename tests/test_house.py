@@ -13,10 +13,10 @@ MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
     "top": 1225,
-    "analysis": 1200,
+    "analysis": 1219,
     "cli": 1874,
-    "mechanics": 955,
-    "report": 1451,
+    "mechanics": 966,
+    "report": 1456,
     "rivals": 720,
     "scene": 3563,
     "solvers": 2400,

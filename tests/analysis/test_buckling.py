@@ -105,6 +105,14 @@ def test_stiff_neither_with_nor_without_loads_has_no_factor(entries):
     assert "without the loads" in told["reason"]["critical_load_factor"]
 
 
+def test_what_no_load_reaches_does_not_buckle(entries):
+    # A column without load, a hanging weight beside it: rounding alone would change its stiffness.
+    told = cgff_cli.analyse(beside(column(7, 0.0), weight=1.0)).analysis
+    assert told["stability"] == "stable"
+    assert told["critical_load_factor"] is None
+    assert "no multiple of the loads" in told["reason"]["critical_load_factor"]
+
+
 def test_a_slack_cable_takes_no_part_in_buckling(entries):
     assert factor(beside(column(3, 0.5), stay=True)) == pytest.approx(factor(column(3, 0.5)), rel=1e-9)
 
