@@ -5,7 +5,7 @@ The scene's `solver:` block, the command line's flags and Python's keywords are 
 """
 
 from collections.abc import Mapping
-from dataclasses import Field, asdict, dataclass, field, fields, replace
+from dataclasses import Field, asdict, dataclass, field, fields
 from typing import Any
 
 from cgff_cli.errors import OptionError
@@ -67,7 +67,7 @@ class SolveOptions:
 
     def merged(self, changes: Mapping[str, object]) -> "SolveOptions":
         """Return these options with some changed; raises OptionError for a bad name or value."""
-        return replace(self, **{name: checked(name, value) for name, value in changes.items()})
+        return SolveOptions(**vars(self) | {name: checked(name, value) for name, value in changes.items()})
 
     def to_dict(self) -> dict[str, Any]:
         """Return the options by name, in declaration order."""

@@ -12,14 +12,14 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 1225,
+    "top": 1243,
     "analysis": 1219,
     "cli": 1874,
     "mechanics": 966,
     "report": 1456,
     "rivals": 720,
     "scene": 3563,
-    "solvers": 2400,
+    "solvers": 2417,
     "study": 1430,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""

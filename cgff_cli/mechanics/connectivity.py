@@ -71,12 +71,6 @@ class DenseConnectivity(_Graph):
             return None
         return (self.rho[:, :, None] * self.rho[:, None, :]).reshape(b, m * m)
 
-    @cached_property
-    def blockwise(self) -> np.ndarray:
-        """(d m, d m) where the entries of a matrix over directions stand in its (d d, m m) blocks."""
-        d, m = self.d, len(self.rho_t)
-        return np.arange(d * d * m * m).reshape(d, d, m, m).swapaxes(1, 2).reshape(d * m, d * m)
-
     def differences(self, X: np.ndarray) -> np.ndarray:
         """Return rho X: (d, ..., b) begin minus end of (d, ..., m) positions of the nodes that move."""
         return X.dot(self.rho_t)

@@ -8,7 +8,7 @@ With w = (k - q) / l^2 that is w V V^T + q I, and with rho^T rho of every elemen
 is one product of matrices; where rho^T rho is too much to write out, blocks go to their places one by one.
 """
 
-from functools import cache
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -49,6 +49,12 @@ def _axes(d: int) -> tuple[np.ndarray, np.ndarray]:
     return rows, columns
 
 
+@lru_cache(16)
+def _blockwise(d: int, m: int) -> np.ndarray:
+    """Return (d m, d m): where the entries of a matrix over directions stand in its (d d, m m) blocks."""
+    return np.arange(d * d * m * m).reshape(d, d, m, m).swapaxes(1, 2).reshape(d * m, d * m)
+
+
 def stiffness_matrix(connectivity: Connectivity, parts: Parts, mask: np.ndarray | None) -> np.ndarray:
     """Return K, (d m, d m), axis by axis, eq. (11).
 
@@ -56,7 +62,7 @@ def stiffness_matrix(connectivity: Connectivity, parts: Parts, mask: np.ndarray 
     """
     B, size = blocks(*parts[1:]), parts.X.size
     if connectivity.is_small and connectivity.pairs is not None:
-        K = B.dot(connectivity.pairs).take(connectivity.blockwise)
+        K = B.dot(connectivity.pairs).take(_blockwise(*parts.X.shape))
     else:
         flat = np.bincount(connectivity.places, np.concatenate((B, B, -B, -B), axis=None), size * size + 1)
         K = flat[:-1].reshape(size, size)

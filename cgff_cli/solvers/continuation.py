@@ -21,13 +21,13 @@ from dataclasses import replace
 import numpy as np
 
 from cgff_cli.mechanics import elements
-from cgff_cli.mechanics.norms import largest
+from cgff_cli.mechanics.norms import largest, norm
 from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.mechanics.tangent import Parts
-from cgff_cli.solvers.descent import iterates
+from cgff_cli.solvers.descent import Detour, iterates
 from cgff_cli.solvers.line_search import HUNDREDFOLD, TENFOLD
 from cgff_cli.solvers.preconditioners.base import QUARTER, Solve, Tangent
-from cgff_cli.solvers.run import Run
+from cgff_cli.solvers.run import Move, Run
 from cgff_cli.solvers.saddles import escape
 from cgff_cli.solvers.stopping import NEGLIGIBLE
 from cgff_cli.structure import Structure
@@ -72,15 +72,15 @@ class Mixed:
         self.shift = 0.0
         self.is_minimum = False
 
-    def step(self, M: Tangent, first: bool) -> bool:
-        """Take one step; False where its matrix has no factor whatever the shift."""
+    def step(self, M: Tangent, first: bool) -> Move | None:
+        """Take one step; None where its matrix has no factor whatever the shift."""
         m, state, e, w, cable = self.mechanics, self.state, self.e, self.w, self.cable
         rho = state.stretch - e + w
         both = np.where(cable, e + w, 1.0)
         D = np.where(cable, e / both, 1.0)
         solve = self._system(M, D, first)
         if solve is None:
-            return False
+            return None
         nu = m.k * e * w
         mean = float(nu[cable].mean()) if cable.any() else 0.0
         e0 = np.where(cable, (e * rho - e * w) / both, rho)
@@ -91,8 +91,7 @@ class Mixed:
             target = min(max(left**3, LOOSE * LOOSE), TO_BOUNDARY) * mean
             e0 = np.where(cable, (e * rho + target / m.k - e * w - de * dw) / both, rho)
             dX, dV, de, dw = self._direction(solve, D, rho, e0)
-        self._move(dX, dV, de, dw, largest(rho / self.unit))
-        return True
+        return self._move(dX, dV, de, dw, largest(rho / self.unit))
 
     def _system(self, M: Tangent, D: np.ndarray, first: bool) -> Solve | None:
         """Return the solver of this step; a shift, and no negative forces, where it would be indefinite."""
@@ -125,7 +124,7 @@ class Mixed:
         de = e0 + D * along
         return dX, dV, de, np.where(self.cable, de - along - rho, 0.0)
 
-    def _move(self, dX: np.ndarray, dV: np.ndarray, de: np.ndarray, dw: np.ndarray, worst: float) -> None:
+    def _move(self, dX: np.ndarray, dV: np.ndarray, de: np.ndarray, dw: np.ndarray, worst: float) -> Move:
         """Go as far as signs, stride and compatibility allow."""
         m, state = self.mechanics, self.state
         a = min(1.0, TO_BOUNDARY * self._boundary(de, dw))
@@ -143,6 +142,7 @@ class Mixed:
             self.shift = 0.0
         elif not self.cable.all():
             self.shift = max(TENFOLD * self.shift, NEGLIGIBLE)
+        return Move(a * norm(dX), a, 0.0, True)
 
     def _boundary(self, de: np.ndarray, dw: np.ndarray) -> float:
         """Return the step to where some e or w of a cable becomes 0; infinity if none does."""
@@ -153,38 +153,56 @@ class Mixed:
         )
 
 
-def mixed(run: Run, M: Tangent) -> np.ndarray | None:
-    """Return the shape (d, m) that mixed Newton steps lead to; None if it is no minimum near balance."""
-    gauge = run.watch.gauge
-    problem = Mixed(run.state)
-    was_near = False
+def mixed(run: Run, M: Tangent) -> Detour:
+    """Take mixed Newton steps, and return whether they end at a minimum; if not the run is where it was."""
+    before, problem = run.state, Mixed(run.state)
+    was_near = _is_near(run)
     for count in range(MOST_STEPS):
-        balance = gauge.measure(problem.state)
-        near = balance.relative <= run.options.tolerance or balance.at_floor
-        if near and problem.is_minimum:
-            return problem.state.X
-        if near and was_near:  # balanced, and held there: a saddle
-            return None
-        was_near = near
-        if not problem.step(M, count == 0):
-            return None
+        move = problem.step(M, count == 0)
+        if move is None or not problem.state.norm < float("inf"):
+            break
         run.evaluations += 1
-    return None
+        run.go(problem.state, move)
+        is_near = _is_near(run)
+        if (is_near and problem.is_minimum) or run.iterations + 1 >= run.watch.max_iterations:
+            return True
+        yield run.iterate()
+        if is_near and was_near:  # balanced, and held there: a saddle
+            break
+        was_near = is_near
+    if run.state is not before:
+        run.go(before, Move(norm(run.state.X - before.X), 0.0, 0.0, True))
+        yield run.iterate()
+    return False
 
 
-def softened(run: Run) -> np.ndarray | None:
-    """Return the shape that softer structures lead to from the run's, (d, m); None where there are none."""
-    X: np.ndarray | None = None
-    options = replace(run.options, preconditioner="tangent", tolerance=LOOSE)
+def _is_near(run: Run) -> bool:
+    balance = run.watch.gauge.measure(run.state)
+    return balance.relative <= run.options.tolerance or balance.at_floor
+
+
+def softened(run: Run) -> Detour:
+    """Go where softer structures lead to, and return whether there are any; iterates show the stiff one.
+
+    A stage that is stuck has led as far as it will: of one, 1164 steps came to nothing.
+    """
+    first = run.iterations
     for softer in stages(run.mechanics.structure):
+        left, before = run.watch.max_iterations - run.iterations, run.evaluations
+        options = replace(run.options, preconditioner="tangent", tolerance=LOOSE, max_iterations=left)
         mechanics = Mechanics(softer, run.mechanics.frame)
-        stage = Run(mechanics, options, mechanics.at(run.state.X if X is None else X))
-        for _ in iterates(stage, escape):
-            pass
-        X = stage.state.X
-        run.evaluations += stage.evaluations
+        stage = Run(mechanics, options, mechanics.at(run.state.X))
+        for there in iterates(stage, escape):
+            if stage.watch.is_stuck:
+                break
+            run.evaluations = before + there.evaluations
+            if there.number:
+                if run.iterations > first:
+                    yield run.iterate()
+                run.go(run.mechanics.at(there.state.X), there.move)
+        run.evaluations = before + stage.evaluations
         run.preconditioner.factorizations += stage.preconditioner.factorizations
-    return X
+    return run.iterations > first
 
 
 def stages(structure: Structure) -> Iterator[Structure]:

@@ -5,7 +5,7 @@ d_k = -z_k + beta_k d_{k-1}          beta_FR = <g, z>_k / <g, z>_{k-1}
 X_{k+1} = X_k + alpha_k d_k          alpha_k: strong Wolfe
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from functools import partial
 
 import numpy as np
@@ -30,23 +30,26 @@ LOST = 1.0 / TENFOLD
 """Restart when <g_k, z_{k-1}> exceeds this share of <g_k, z_k> (Powell 1977, where it is 0.2), or when the
 slope along d is flatter than this share of the slope along -z."""
 
-Onward = Callable[[Run], bool]
+Detour = Generator[Iterate, None, bool]
+"""Iterates on a way elsewhere, but for its end; returns whether it leads anywhere."""
+
+Onward = Callable[[Run], Detour]
 
 
 def iterates(run: Run, onward: Onward) -> Iterator[Iterate]:
     """Yield every iterate of a run, the start first; at its end the run has a verdict.
 
-    onward: moves a run that is stuck, or ended, to where it goes on from; False where there is no such place.
+    onward: moves a run that is stuck, or ended, to where it goes on from, if there is such a place.
     """
     run.state = run.preconditioner.better_start(run.state)
     path = descent(run)
     while True:
         yield run.iterate()
         run.verdict = run.watch.judge(run.state, run.iterations) or _stationary(run) or _worn_out(run)
-        is_elsewhere = run.verdict is None and run.watch.is_stuck and onward(run)
+        is_elsewhere = run.verdict is None and run.watch.is_stuck and (yield from onward(run))
         if run.verdict is None and not is_elsewhere and next(path, None) is None:
             run.verdict = run.watch.vanished()
-        if run.verdict and not onward(run):
+        if run.verdict and not (yield from onward(run)):
             return
         if run.verdict or is_elsewhere:
             run.verdict, path = None, descent(run)

@@ -1,6 +1,7 @@
 """Where a run goes on from when it is stuck, or has ended at a saddle."""
 
 from cgff_cli.solvers.continuation import mixed, softened
+from cgff_cli.solvers.descent import Detour
 from cgff_cli.solvers.preconditioners import tangent
 from cgff_cli.solvers.preconditioners.base import Tangent
 from cgff_cli.solvers.run import Run
@@ -8,12 +9,12 @@ from cgff_cli.solvers.saddles import escape
 from cgff_cli.solvers.stopping import PATIENCE
 
 
-def onward(run: Run) -> bool:
-    """Go on from elsewhere; False where there is no such place."""
-    return _detour(run) if run.verdict is None else escape(run)
+def onward(run: Run) -> Detour:
+    """Go on from elsewhere; returns False where there is no such place."""
+    return (yield from (_detour if run.verdict is None else escape)(run))
 
 
-def _detour(run: Run) -> bool:
+def _detour(run: Run) -> Detour:
     """Pass a narrow valley: with forces as unknowns of their own, or by way of softer structures.
 
     Frames that make no headway give way to the tangent. The energy may rise: a stretch too small to see
@@ -28,11 +29,7 @@ def _detour(run: Run) -> bool:
         M = tangent(run.mechanics, False, run.options.factor)
         M.factorizations += run.preconditioner.factorizations
         run.preconditioner = M
-    X = mixed(run, M)
-    if X is None:
-        X = softened(run)
-    if X is None:
-        return False
-    run.jump(X)
-    M.settle()
-    return True
+    is_elsewhere = (yield from mixed(run, M)) or (yield from softened(run))
+    if is_elsewhere:
+        M.settle()
+    return is_elsewhere

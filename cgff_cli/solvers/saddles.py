@@ -3,6 +3,7 @@
 import numpy as np
 
 from cgff_cli.mechanics.state import Mechanics, State
+from cgff_cli.solvers.descent import Detour
 from cgff_cli.solvers.line_search import MOST_TRIALS, TENFOLD
 from cgff_cli.solvers.objectives import Line
 from cgff_cli.solvers.run import Run
@@ -40,8 +41,9 @@ def separated(mechanics: Mechanics, seed: int) -> tuple[State, str | None]:
     )
 
 
-def escape(run: Run) -> bool:
-    """Leave an unstable equilibrium along its most negative stiffness; False where a run is at none."""
+def escape(run: Run) -> Detour:
+    """Leave an unstable equilibrium along its most negative stiffness, in one step, if a run is at one."""
+    yield from ()
     if not (run.verdict and run.verdict.converged and run.minimises_energy) or run.escapes >= MOST_TRIALS:
         return False
     d = run.preconditioner.steepest_fall(run.state)

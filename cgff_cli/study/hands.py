@@ -7,7 +7,7 @@ like `_pool`, and an argument of `done`.
 import os
 import signal
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, suppress
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -63,7 +63,8 @@ def _pool(processes: int) -> Iterator[Hands]:
     finally:  # at an end before the last job, such as an interrupt, workers hand in what they have
         for process in set(active_children()) - others:
             if process.pid is not None:
-                os.kill(process.pid, signal.SIGINT)
+                with suppress(ProcessLookupError):  # one that was killed may be gone by now
+                    os.kill(process.pid, signal.SIGINT)
         pool.shutdown(cancel_futures=True)
 
 

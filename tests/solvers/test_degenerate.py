@@ -81,7 +81,7 @@ def test_a_residual_a_few_roundings_high_that_quick_steps_no_longer_halve_is_rou
     loads = {2: (-3e-11, -9e-12, 2e-11), 4: (2e-16, 2e-16, 8e-17)}
     result = cgff_cli.solve(scene(points, bars, {1: "xyz"}, loads), tolerance=5e-9)
     assert result.verdict == "rounding_floor"
-    assert result.counts["iterations"] < 60
+    assert result.counts["iterations"] < 200  # three detours, which look for a way on, included
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])

@@ -90,8 +90,12 @@ class Tangent(Preconditioner, ABC):
         """
 
     def refresh(self, state: State, q: np.ndarray | None = None) -> None:
-        """Form M at a state; q: (b,) nonnegative force densities to begin with in place of its own."""
-        self.solve = self.system(state.parts(q), self.mu, trusted=self.progress < QUARTER)
+        """Form M at a state; q: (b,) nonnegative force densities to begin with in place of its own.
+
+        With those K is positive semidefinite element by element, so that its signs need no looking at.
+        """
+        trusted = q is not None or self.progress < QUARTER
+        self.solve = self.system(state.parts(q), self.mu, trusted=trusted)
         while self.solve is None:
             self.solve = self.system(state.parts(np.maximum(state.q, 0.0)), self.mu)
             self.mu *= 1.0 if self.solve else TENFOLD
