@@ -12,6 +12,7 @@ import numpy as np
 
 from cgff_cli.analysis.lanczos import CLOSE, Operator, largest_of
 from cgff_cli.analysis.mechanisms import stress_matrix
+from cgff_cli.analysis.reasons import ALL_IDLE
 from cgff_cli.analysis.stability import Signs
 from cgff_cli.mechanics.signs import Spectrum, is_positive
 from cgff_cli.mechanics.state import State
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
 
 SLIGHT = 1e-9
 """Least factor, and over the greatest 1, that is more than rounding of none."""
+
+MOST_RESTARTS = 60
+"""Of Lanczos' method with 20 vectors; a net under snow takes 20 (tests/studies/analyse.py)."""
 
 _NO_LOADS = "there are no loads"
 _SINGULAR = "not told: some motion has no stiffness beyond rounding, so that loads may move it without end"
@@ -38,6 +42,8 @@ def critical_load_factor(state: State, signs: Signs, doubt: float) -> tuple[floa
     m = state.mechanics
     if m.F is None:
         return None, _NO_LOADS
+    if not signs.count:
+        return None, ALL_IDLE
     dx = signs.solved(m.F, doubt)
     if dx is None or not signs.is_sure or np.abs(signs.values).min() <= doubt:
         return None, _SINGULAR
@@ -86,6 +92,8 @@ def _of_large(signs: "LargeSpectrum", dq: np.ndarray, doubt: float) -> tuple[flo
     factor = signs.factor_of(unloaded)
     if factor is None:
         return None, _NEEDED
+    if signs.blur < SLIGHT * signs.softest and signs.factor_of(change) is not None:
+        return None, _NEVER  # more load only stiffens: K_G is not negative anywhere
     G = signs.pattern.matrix(change)
     if signs.softest > doubt:
         return _lowered(G, signs.matrix, lambda y: signs.refined(signs.cleared(y))[0], signs, 1.0)
@@ -107,7 +115,9 @@ def _lowered(
 
     Minv, v0 = LinearOperator(K.shape, inverse, dtype=float), signs.start(1)[:, 0]
     try:
-        rates = eigsh(G, 1, K, which="SA", v0=v0, tol=CLOSE, Minv=Minv, return_eigenvectors=False)
+        rates = eigsh(
+            G, 1, K, which="SA", v0=v0, maxiter=MOST_RESTARTS, tol=CLOSE, Minv=Minv, return_eigenvectors=False
+        )
     except ArpackError:
         return None, _NOT_FOUND
     return _least(rates[rates < 0.0], now)

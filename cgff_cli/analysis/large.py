@@ -43,7 +43,7 @@ def stability_of_large(
 class LargeSpectrum:
     """What `mechanics.signs.Spectrum` tells, from one sparse factor; vectors run node by node.
 
-    values: only the least `count`.
+    values: only the least `count`; blur: the least shift that keeps a factor from breaking down.
 
     No stiffness is below -shift, as K + shift has a Cholesky factor: the least is where its inverse is
     largest. The start is the same for every scene and has no symmetry that could hide a motion.
@@ -62,8 +62,8 @@ class LargeSpectrum:
         pattern = TangentPattern(mechanics)
         data = pattern.fill(*state.parts(None, taut)[1:], held=float(mechanics.scale_stiffness.mean()))
         self.K = self.pattern, self.data, _ = pattern, data, kind
-        stiffest = max(float(mechanics.scale_stiffness.max()), largest(data))
-        self.shift, self.factor = _shifted(*self.K, BLUR * stiffest)
+        self.blur = BLUR * max(largest(mechanics.scale_stiffness), largest(data))
+        self.shift, self.factor = _shifted(*self.K, self.blur)
         self.matrix = pattern.matrix(data)
         self.count = len(self.places) - idle.shape[1]
         self._asked = min(count, self.count)
@@ -103,7 +103,7 @@ class LargeSpectrum:
         """Return the (c,) least stiffnesses, unit shapes (c, d, m), and whether the least was found."""
         count, (d, m) = min(count, self.count), self.state.X.shape
         values, x, is_found = self._found if count <= self._asked else self._softest(count)
-        return values[:count], x[:, :count].T.reshape(-1, m, d).swapaxes(1, 2), is_found
+        return values[:count], x[:, :count].T.reshape(len(values[:count]), m, d).swapaxes(1, 2), is_found
 
     def solved(self, F: np.ndarray, doubt: float) -> np.ndarray | None:
         """Return x, (d, m), with K x = F and no idle motion in it; None where F drives what is not stiff.
@@ -111,12 +111,14 @@ class LargeSpectrum:
         What the shift of the factor leaves wrong is solved for again.
         """
         b = self.cleared(F.T.reshape(-1))
+        if not self.count:
+            return np.zeros_like(F)
         soft = self._found[1][:, np.abs(self.values) <= doubt]
         if largest(soft.T @ b) > DRIVEN * norm(b):
             return None
         x, left = self.refined(b)
         # A soft motion makes x so large that rounding of K x alone is more than what is asked for.
-        rounding = 8.0 * EPS * float(self.state.mechanics.scale_stiffness.max()) * norm(x)
+        rounding = 8.0 * EPS * largest(self.state.mechanics.scale_stiffness) * norm(x)
         if left > max(DRIVEN * norm(b), rounding):
             return None
         return np.ascontiguousarray(x.reshape(F.shape[::-1]).T)
@@ -135,8 +137,7 @@ class LargeSpectrum:
     @cached_property
     def _direct(self) -> Factor:
         """A factor of K with hardly a shift, definite or not."""
-        least = BLUR * max(float(self.state.mechanics.scale_stiffness.max()), largest(self.matrix.data))
-        return self.factor if self.shift <= least else factored(self.matrix, least)
+        return self.factor if self.shift <= self.blur else factored(self.matrix, self.blur)
 
     def _softest(self, count: int) -> tuple[np.ndarray, np.ndarray, bool]:
         """Return up to `count` least eigenvalues of K, their vectors (f, c), and whether the least was found.
@@ -153,7 +154,7 @@ class LargeSpectrum:
     def factor_of(self, data: np.ndarray) -> Factor | None:
         """Return a factor of a matrix of the same pattern, None where it is negative beyond rounding."""
         shifted = data.copy()
-        shifted[self.pattern.diagonal] += BLUR * max(largest(data), largest(self.data))
+        shifted[self.pattern.diagonal] += max(self.blur, BLUR * largest(data))
         return factory(self.pattern.indices, self.pattern.indptr, self.K[2]).factor(shifted)
 
     def start(self, width: int) -> np.ndarray:

@@ -23,7 +23,7 @@ def mechanisms_of(ranks: Ranks) -> tuple[np.ndarray, np.ndarray]:
     values, own = np.linalg.eigh(turned)
     shapes = np.zeros((len(values), d * m))
     shapes[:, dofs] = (motions @ own).T
-    return values, shapes.reshape(-1, d, m)
+    return values, shapes.reshape(len(shapes), d, m)
 
 
 def null_motions(ranks: Ranks) -> np.ndarray:

@@ -76,6 +76,8 @@ def _ranked(values: np.ndarray, threshold: float, count: int) -> Rank:
 
 def zeros(D: Any, threshold: float) -> tuple[int | None, bool | None]:
     """Return how many eigenvalues of a symmetric D are zero, and whether none is negative."""
+    if 0 in D.shape:
+        return 0, True
     if isinstance(D, np.ndarray):
         values = np.linalg.eigvalsh(D)
         return int((np.abs(values) <= threshold).sum()), bool((values >= -threshold).all())

@@ -32,7 +32,7 @@ def blurred(K: np.ndarray, state: State) -> float:
 
 def blurred_at_most(state: State) -> float:
     """Return the same of a sparse K, from the largest sum of stiffnesses at a node, which bounds its norm."""
-    return BLUR * float(state.mechanics.scale_stiffness.max()) + _own_rounding(state)
+    return BLUR * largest(state.mechanics.scale_stiffness) + _own_rounding(state)
 
 
 def _own_rounding(state: State) -> float:
@@ -158,4 +158,4 @@ class Spectrum:
         """Return the (c,) least eigenvalues apart from idle motions, unit shapes (c, d, m), and True."""
         values, vectors = self.eigen
         shapes = [self._spread(vector) for vector in vectors.T[:count]]
-        return values[:count], np.array(shapes).reshape(-1, *self.state.X.shape), True
+        return values[:count], np.array(shapes).reshape(len(shapes), *self.state.X.shape), True

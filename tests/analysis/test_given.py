@@ -167,6 +167,13 @@ def test_an_element_without_length_is_refused():
         cgff_cli.analyse(body)
 
 
+def test_what_is_held_everywhere_has_no_motion(entries):
+    bar = scene([(0.0, 0.0), (2.0, 0.0)], [(0, 1, "strut", 10.0, 1.0)], {0: "xy", 1: "xy"})
+    told = cgff_cli.analyse(bar, sensitivity="e0").analysis
+    assert (told["modes"], told["tangent_eigenvalues"], told["stability"]) == ([], [], "stable")
+    assert told["self_stress_states"] == 1
+
+
 @pytest.mark.parametrize("modes", [-1, 1.5, "3"])
 def test_modes_must_be_a_count(modes):
     with pytest.raises(cgff_cli.OptionError, match="modes must be a whole number >= 0"):
