@@ -60,9 +60,10 @@ class LargeSpectrum:
         self.R = np.zeros((m * d, idle.shape[1]))
         self.R[self.places] = idle
         pattern = TangentPattern(mechanics)
-        data = pattern.fill(*state.parts(None, taut)[1:], held=float(mechanics.scale_stiffness.mean()))
+        held = largest(mechanics.scale_stiffness)
+        data = pattern.fill(*state.parts(None, taut)[1:], held=held)
         self.K = self.pattern, self.data, _ = pattern, data, kind
-        self.blur = BLUR * max(largest(mechanics.scale_stiffness), largest(data))
+        self.blur = BLUR * max(held, largest(data))
         self.shift, self.factor = _shifted(*self.K, self.blur)
         self.matrix = pattern.matrix(data)
         self.count = len(self.places) - idle.shape[1]
