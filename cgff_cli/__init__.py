@@ -20,6 +20,7 @@ _HOME = {
     "new": "cgff_cli.scene.new",
     "solve": "cgff_cli.pipeline",
     "solve_many": "cgff_cli.many",
+    "prestress": "cgff_cli.rest_lengths",
     "compare": "cgff_cli.study.compare",
     "shipped": "cgff_cli.scene.shipped",
     "Scene": "cgff_cli.scene.scene",

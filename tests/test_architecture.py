@@ -21,6 +21,8 @@ ROOMS = (
     "result",
     "pipeline",
     "many",
+    "refusals",
+    "rest_lengths",
     "rivals",
     "study",
     "report",

@@ -64,7 +64,7 @@ def zeros(D: Any, threshold: float) -> tuple[int | None, bool | None]:
 def _below(A: Any, shift: float) -> tuple[int, float]:
     """Return how many eigenvalues of a symmetric A are below the shift, and by how much that may be wrong."""
     try:
-        lu = _factor(A, -shift)
+        lu = shifted_factor(A, -shift)
     except RuntimeError:  # exactly singular
         return 0, float("inf")
     if (lu.perm_r != lu.perm_c).any():
@@ -73,7 +73,7 @@ def _below(A: Any, shift: float) -> tuple[int, float]:
     return int((lu.U.diagonal() < 0.0).sum()), float(error)
 
 
-def _factor(A: Any, shift: float) -> Any:
+def shifted_factor(A: Any, shift: float) -> Any:
     """Return the factors of a sparse symmetric A + shift, pivots on the diagonal where they are not zero."""
     from scipy.sparse import diags_array
     from scipy.sparse.linalg import splu
@@ -89,7 +89,7 @@ def _softest(M: Any, squared: Any, count: int) -> np.ndarray:
     size = min(count + GUARDS, n)
     Y = np.cos(np.arange(n * size, dtype=float) ** 2).reshape(size, n).T
     if count:
-        factor = _factor(squared, SQUARED)
+        factor = shifted_factor(squared, SQUARED)
         for _ in range(ITERATIONS):
             Y = np.linalg.qr(factor.solve(Y))[0]
     return np.linalg.svd(M @ Y, compute_uv=False)[size - count :]

@@ -24,6 +24,7 @@ COMMANDS = {
     "compare": "Form-find scenes by CGFF and by other methods, side by side.",
     "bench": "Compare methods over many scenes.",
     "check": "Read and validate scenes without solving them.",
+    "prestress": "Find rest lengths that hold a geometry at its own coordinates.",
     "new": "Write a scene of a family: prisms, towers, polyhedra, nets, chains.",
 }
 
