@@ -1,16 +1,22 @@
 """Which of many states: the one whose least member is the greatest, and of these the one of least norm."""
 
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from cgff_cli.analysis.interior import least
+from cgff_cli.analysis.interior import Solver, least
+from cgff_cli.analysis.nulls import shifted_factor
 from cgff_cli.analysis.self_stress import SelfStress
 from cgff_cli.mechanics.norms import norm
 
 LIGHT = 1e-5
 """Weight of the norm beside the least member: small enough to decide between equals alone
 (tests/studies/prestress.py)."""
+
+
+PIVOT = 1e-13
+"""Shift, beside a diagonal of 1, that lets equations that depend on each other have a factor."""
 
 
 def balanced(balance: SelfStress, signs: np.ndarray, most: np.ndarray) -> np.ndarray:
@@ -76,6 +82,41 @@ def _sparse(balance: SelfStress, unit: np.ndarray, signs: np.ndarray, most: np.n
     h = np.concatenate((np.zeros(m), -most[bounded]))
     Q = diags_array(np.append(LIGHT / balance.count.sum() * balance.count, 0.0)).tocsc()
     columns = balance.A @ diags_array(unit)
-    scale = float(np.abs(columns.data).max())
-    A = block_array([[columns / scale, csc_array((len(balance.F), 1))]], format="csc")
-    return least(Q, np.append(np.zeros(m), -1.0), G, h, A, balance.F / scale)[:m]
+    F = balance.F / float(np.abs(columns.data).max())
+    columns = (columns / float(np.abs(columns.data).max())).tocsc()
+    A = block_array([[columns, csc_array((len(balance.F), 1))]], format="csc")
+    factor = partial(_bordered, columns, Q.diagonal()[:m], signs, bounded)
+    return least(Q, np.append(np.zeros(m), -1.0), G, h, A, F, factor)[:m]
+
+
+def _bordered(A: Any, own: np.ndarray, signs: np.ndarray, bounded: np.ndarray, weights: np.ndarray) -> Solver:
+    """Return what solves [[H, A^T], [A, 0]] for unknowns v and s: H is diagonal but for the column of s.
+
+    v is eliminated, s kept apart; A H^-1 A^T is scaled to a diagonal of 1.
+    """
+    from scipy.sparse import diags_array
+
+    m, low = len(signs), weights[: len(signs)]
+    high = np.zeros(m)
+    high[bounded] = weights[m:]
+    H, column = own + low + high, -signs * low
+    S = A @ diags_array(1.0 / H) @ A.T
+    diagonal = S.diagonal()
+    scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+    lu = shifted_factor(diags_array(scale) @ S @ diags_array(scale), PIVOT)
+
+    def inner(right: np.ndarray, below: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return v and y of [[H, A^T], [A, 0]] [v, y] = [right, below]."""
+        y = scale * lu.solve(scale * (A @ (right / H) - below))
+        return (right - A.T @ y) / H, y
+
+    along, y_along = inner(column, np.zeros(A.shape[0]))
+    rest = float((low * (own + high) / H).sum()) + float((A.T @ y_along) @ (column / H))
+
+    def solve(right: np.ndarray) -> np.ndarray:
+        """Return v, s and y."""
+        v, y = inner(right[:m], right[m + 1 :])
+        s = (right[m] - column @ v) / rest
+        return np.concatenate((v - s * along, [s], y - s * y_along))
+
+    return solve

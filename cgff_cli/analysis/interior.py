@@ -5,6 +5,7 @@ order rows and columns come.
 """
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,20 +22,26 @@ LEFT_OVER = 1e-9
 SHORT_OF = 0.995
 """Share of the way to the boundary that a step goes at most."""
 
-PIVOT = 1e-13
-"""What keeps the factors of equations that depend on each other from breaking down."""
+NOTHING = np.zeros(0)
 
 Solver = Callable[[np.ndarray], np.ndarray]
 
 
 def least(
-    Q: Any, g: np.ndarray, G: Any, h: np.ndarray, A: Any = None, f: np.ndarray | None = None
+    Q: Any,
+    g: np.ndarray,
+    G: Any,
+    h: np.ndarray,
+    A: Any = None,
+    f: np.ndarray = NOTHING,
+    factor: Callable[[np.ndarray], Solver] | None = None,
 ) -> np.ndarray:
-    """Return the x that makes x Q x / 2 + g x least where G x >= h and, with sparse matrices, A x = f.
+    """Return the x that makes x Q x / 2 + g x least where G x >= h and A x = f.
 
-    Mehrotra's predictor and corrector (SIAM J. Optim. 2, 1992). Q may be zero where g and G bound x.
+    Mehrotra's predictor and corrector (SIAM J. Optim. 2, 1992). factor: of weights w, returns what solves
+    with [[Q + G^T diag(w) G, A^T], [A, 0]]; without A, Cholesky's factor by default.
     """
-    f = np.zeros(0) if f is None else f
+    factor = factor or partial(_cholesky, Q, G)
     x, y, z = np.zeros(len(g)), np.zeros(len(f)), np.ones(len(h))
     s = np.maximum(1.0, G @ x - h)
     for _ in range(MOST_NEWTON_STEPS):
@@ -44,7 +51,7 @@ def least(
         if gap < GAP and max(map(largest, out)) < LEFT_OVER:
             break
         try:
-            solve = _factor(Q, G, z / s, A)
+            solve = factor(z / s)
         except (np.linalg.LinAlgError, RuntimeError):  # as far as doubles go
             break
         _, _, ds, dz = _step(solve, out, G, s, z, s * z)
@@ -80,15 +87,7 @@ def _room(values: np.ndarray, change: np.ndarray) -> float:
     return float((values[falls] / -change[falls]).min(initial=np.inf))
 
 
-def _factor(Q: Any, G: Any, weights: np.ndarray, A: Any) -> Solver:
-    """Return what solves [[Q + G^T diag(weights) G, A^T], [A, 0]]; without A, by Cholesky."""
-    if A is None:
-        L = np.linalg.cholesky(Q + (G.T * weights) @ G)
-        return lambda right: np.linalg.solve(L.T, np.linalg.solve(L, right))
-    from scipy.sparse import block_array, diags_array, eye_array
-    from scipy.sparse.linalg import splu
-
-    H = Q + G.T @ diags_array(weights) @ G
-    soft = -PIVOT * eye_array(A.shape[0])
-    solve: Solver = splu(block_array([[H, A.T], [A, soft]], format="csc")).solve
-    return solve
+def _cholesky(Q: np.ndarray, G: np.ndarray, weights: np.ndarray) -> Solver:
+    """Return what solves with Q + G^T diag(weights) G."""
+    L = np.linalg.cholesky(Q + (G.T * weights) @ G)
+    return lambda right: np.linalg.solve(L.T, np.linalg.solve(L, right))

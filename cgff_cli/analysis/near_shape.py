@@ -10,7 +10,7 @@ from cgff_cli.mechanics.tangent import Parts, stiffness_matrix
 _LEAST = 1e-9  # of the greatest: what changes forces less by moving counts as moving nothing
 
 MOST_CORRECTIONS = 20
-AT_REST = 1e-15
+AT_REST = 1e-14
 """What is left over, relative to the forces, at which no step can do better."""
 
 
@@ -23,6 +23,8 @@ def near_shape(balance: SelfStress, x: np.ndarray) -> tuple[SelfStress, np.ndarr
     scale = norm(x)
     best = (balance.left_over(x), balance, x)
     for _ in range(MOST_CORRECTIONS):
+        if best[0] <= AT_REST:
+            break
         left, values, right = (own[: balance.rank] for own in (balance.parts[0].T, *balance.parts[1:]))
         out = balance.A @ x - balance.F
         state = balance.state
@@ -39,8 +41,6 @@ def near_shape(balance: SelfStress, x: np.ndarray) -> tuple[SelfStress, np.ndarr
         if not left_over < 0.5 * best[0]:
             break
         best = (left_over, balance, x)
-        if left_over <= AT_REST:
-            break
     return best[1], best[2]
 
 
