@@ -21,6 +21,7 @@ _HOME = {
     "solve": "cgff_cli.pipeline",
     "solve_many": "cgff_cli.many",
     "analyse": "cgff_cli.as_given",
+    "prestress": "cgff_cli.rest_lengths",
     "compare": "cgff_cli.study.compare",
     "shipped": "cgff_cli.scene.shipped",
     "Scene": "cgff_cli.scene.scene",

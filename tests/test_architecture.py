@@ -22,6 +22,8 @@ ROOMS = (
     "pipeline",
     "many",
     "as_given",
+    "refusals",
+    "rest_lengths",
     "rivals",
     "study",
     "report",

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cgff_cli.analysis.lanczos import largest_of
-from cgff_cli.analysis.nulls import below, factored
+from cgff_cli.analysis.nulls import below, shifted_factor
 from cgff_cli.analysis.stability import SignsOf, resists, stability, stiffnesses, told
 from cgff_cli.mechanics.elements import EPS
 from cgff_cli.mechanics.norms import largest, norm
@@ -138,7 +138,7 @@ class LargeSpectrum:
     @cached_property
     def _direct(self) -> Factor:
         """A factor of K with hardly a shift, definite or not."""
-        return self.factor if self.shift <= self.blur else factored(self.matrix, self.blur)
+        return self.factor if self.shift <= self.blur else shifted_factor(self.matrix, self.blur)
 
     def _softest(self, count: int) -> tuple[np.ndarray, np.ndarray, bool]:
         """Return up to `count` least eigenvalues of K, their vectors (f, c), and whether the least was found.

@@ -54,11 +54,11 @@ def rank(U: Any, threshold: float, seems_full: bool = False) -> Rank:
     M = U if U.shape[1] <= U.shape[0] else U.T
     if 0 in M.shape:
         return Rank(0)
-    squared = M.T @ M
     if isinstance(M, np.ndarray):
-        if seems_full and threshold < APART and is_positive(squared, -(APART**2)):
+        if seems_full and threshold < APART and is_positive(M.T @ M, -(APART**2)):
             return Rank(M.shape[1])
         return _ranked(np.linalg.svd(M, compute_uv=False), threshold, M.shape[1])
+    squared = M.T @ M
     apart = max(APART, 2.0 * threshold)
     count, doubt = below(squared, apart**2)
     if doubt > 0.1 * apart**2 or count > MOST_SOFT:
@@ -90,7 +90,7 @@ def zeros(D: Any, threshold: float) -> tuple[int | None, bool | None]:
 def below(A: Any, shift: float) -> tuple[int, float]:
     """Return how many eigenvalues of a symmetric A are below the shift, and by how much that may be wrong."""
     try:
-        lu = factored(A, -shift)
+        lu = shifted_factor(A, -shift)
     except RuntimeError:  # exactly singular
         return 0, float("inf")
     if (lu.perm_r != lu.perm_c).any():
@@ -99,7 +99,7 @@ def below(A: Any, shift: float) -> tuple[int, float]:
     return int((lu.U.diagonal() < 0.0).sum()), float(error)
 
 
-def factored(A: Any, shift: float) -> Any:
+def shifted_factor(A: Any, shift: float) -> Any:
     """Return the factors of a sparse symmetric A + shift, pivots on the diagonal where they are not zero."""
     from scipy.sparse import diags_array
     from scipy.sparse.linalg import splu
@@ -115,7 +115,7 @@ def _softest(M: Any, squared: Any, count: int) -> np.ndarray:
     size = min(count + GUARDS, n)
     Y = np.cos(np.arange(n * size, dtype=float) ** 2).reshape(size, n).T
     if count:
-        factor = factored(squared, SQUARED)
+        factor = shifted_factor(squared, SQUARED)
         for _ in range(ITERATIONS):
             Y = np.linalg.qr(factor.solve(Y))[0]
     return np.linalg.svd(M @ Y, compute_uv=False)[max(size - count - 1, 0) :]

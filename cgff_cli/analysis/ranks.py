@@ -7,7 +7,7 @@ import numpy as np
 from cgff_cli.analysis.nulls import Rank, rank, zeros
 from cgff_cli.mechanics.connectivity import dense
 from cgff_cli.mechanics.elements import EPS
-from cgff_cli.mechanics.equilibrium import equilibrium_matrix, force_density_matrix
+from cgff_cli.mechanics.equilibrium import equilibrium_matrix
 from cgff_cli.mechanics.norms import largest
 from cgff_cli.mechanics.signs import is_positive
 from cgff_cli.mechanics.state import State
@@ -44,13 +44,9 @@ class Ranks:
         self.taut = state.stretch >= m.least - VANISHED * rounding
         blurred = float((m.k * state.taut * rounding / state.l).max())
         self.threshold = max(tolerance * largest(state.q), VANISHED * blurred)
-        U = state.V / state.l
-        if m.is_small:
-            s, own = m.structure, m.connectivity
-            rho_t = own.rho_t if own.is_small and m.moves is None else dense(s.start, s.end, len(s.free))
-            self.U, self.D = equilibrium_matrix(rho_t, U), force_density_matrix(rho_t, state.q)
-        else:
-            self.U, self.D = _sparse(state, U)
+        self.U = unit_equilibrium_matrix(state)
+        rho_t = _rho_t(state, state.q)
+        self.D = rho_t @ _rho_t(state).T
         self.nullity_D, self.is_semidefinite = zeros(self.D, self.threshold)
 
     def conditions(self) -> dict[str, Any]:
@@ -109,19 +105,28 @@ def _less(count: int, rank: Rank) -> int | None:
     return None if rank.number is None or rank.is_muddled else count - rank.number
 
 
-def _sparse(state: State, u: np.ndarray) -> tuple[Any, Any]:
-    """Return U and D, eq. (3), (4), as sparse columns; u: (d, b) unit vectors of elements."""
-    from scipy.sparse import csc_array, vstack
+def unit_equilibrium_matrix(state: State) -> Any:
+    """Return U of unit vectors, (d n, b), eq. (3): U t are nodal forces; sparse columns in large scenes."""
+    u = state.V / state.l
+    if state.mechanics.is_small:
+        return equilibrium_matrix(_rho_t(state), u)
+    from scipy.sparse import vstack
 
-    s, b = state.mechanics.structure, len(state.q)
-    ends, n = np.stack((s.start, s.end), axis=1).reshape(-1), len(s.free)
+    return vstack([_rho_t(state, own) for own in u]).tocsc()
 
-    def rho_t(weight: np.ndarray) -> Any:
-        """Return rho^T diag(weight), weight: (b,)."""
-        signed = np.stack((weight, -weight), axis=1).reshape(-1)
-        return csc_array((signed, ends, 2 * np.arange(b + 1)), shape=(n, b))
 
-    return vstack([rho_t(own) for own in u]).tocsc(), (rho_t(state.q) @ rho_t(np.ones(b)).T).tocsc()
+def _rho_t(state: State, weight: np.ndarray | float = 1.0) -> Any:
+    """Return rho^T diag(weight), (n, b), eq. (1); weight: (b,)."""
+    m, s, n = state.mechanics, state.mechanics.structure, len(state.mechanics.structure.free)
+    if m.connectivity.is_small:
+        return (m.connectivity.rho_t if m.moves is None else dense(s.start, s.end, n)) * weight
+    from scipy.sparse import csc_array
+
+    b = len(s.start)
+    weights = np.broadcast_to(weight, b)
+    signed = np.stack((weights, -weights), axis=1).reshape(-1)
+    ends = np.stack((s.start, s.end), axis=1).reshape(-1)
+    return csc_array((signed, ends, 2 * np.arange(b + 1)), shape=(n, b))
 
 
 def _affine_motions(state: State, axes: np.ndarray) -> int:

@@ -25,6 +25,7 @@ COMMANDS = {
     "bench": "Compare methods over many scenes.",
     "analyse": "Judge a shape as given: balance, states, mechanisms, stability.",
     "check": "Read and validate scenes without solving them.",
+    "prestress": "Find rest lengths that hold a geometry at its own coordinates.",
     "new": "Write a scene of a family: prisms, towers, polyhedra, nets, chains.",
 }
 

@@ -137,7 +137,7 @@ def _reactions(result: Result, full: bool) -> Iterator[RenderableType]:
 
 def _vectors(title: str, names: Iterable[str], values: np.ndarray) -> Iterator[RenderableType]:
     axes = zip("xyz", values.T.tolist(), strict=False)
-    return aligned([_names(title, names), *(Column(axis, numbers(own), True) for axis, own in axes)])
+    return aligned([names_column(title, names), *(Column(axis, numbers(own), True) for axis, own in axes)])
 
 
 def _by_axis(texts: Iterable[str]) -> str:
@@ -149,10 +149,10 @@ def _elements(result: Result) -> Iterator[RenderableType]:
     slack = ["slack" if slack else "" for slack in result.slack.tolist()]
     return aligned(
         [
-            _names("element", (group.name for group in groups for _ in group.EA)),
+            names_column("element", (group.name for group in groups for _ in group.EA)),
             Column("kind", [group.kind for group in groups for _ in group.EA]),
-            _names("start", (names[row] for row in s.start.tolist())),
-            _names("end", (names[row] for row in s.end.tolist())),
+            names_column("start", (names[row] for row in s.start.tolist())),
+            names_column("end", (names[row] for row in s.end.tolist())),
             Column("length", numbers(result.lengths.tolist()), True),
             Column("force", numbers(result.forces.tolist()), True),
             Column("force density", numbers(result.force_densities.tolist()), True),
@@ -170,10 +170,10 @@ def group_table(
     slack = column("slack", (entry["slack"] for entry in groups.values()))
     return aligned(
         [
-            _names("group", groups),
+            names_column("group", groups),
             Column("kind", [group.kind for group in result.source.groups]),
             column("count", (entry["count"] for entry in groups.values())),
-            *(_spans(groups, name) for name in names),
+            *(spans_column(groups, name) for name in names),
             *([slack] if result.slack.any() else []),
         ]
     )
@@ -184,10 +184,10 @@ def changes_table(result: Result, changes: np.ndarray) -> Iterator[RenderableTyp
     own = result.source.groups
     rows = spans(changes, [len(group.EA) for group in own])
     groups = {group.name: {"force_change": ends} for group, ends in zip(own, rows, strict=True)}
-    return aligned([_names("group", groups), _spans(groups, "force_change")])
+    return aligned([names_column("group", groups), spans_column(groups, "force_change")])
 
 
-def _spans(groups: dict[str, dict[str, Any]], name: str) -> Column:
+def spans_column(groups: dict[str, dict[str, Any]], name: str) -> Column:
     """Return a column of `least .. greatest` per group, or of one value where they look the same."""
     texts = numbers([end for entry in groups.values() for end in entry[name]])
     width = max(map(len, texts))
@@ -196,5 +196,6 @@ def _spans(groups: dict[str, dict[str, Any]], name: str) -> Column:
     return Column(name.replace("_", " "), cells, True)
 
 
-def _names(title: str, names: Iterable[str]) -> Column:
+def names_column(title: str, names: Iterable[str]) -> Column:
+    """Return a column of names."""
     return Column(title, list(map(clean, names)))

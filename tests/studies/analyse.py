@@ -235,7 +235,7 @@ class Counted:
         self.tangents = self.others = 0
         for kind in (factors._SuperLU, factors._Cholmod):
             kind.factor = self._counting(kind.factor, "tangents")
-        nulls.factored = analysis_large.factored = self._counting(nulls.factored, "others")
+        nulls.shifted_factor = analysis_large.shifted_factor = self._counting(nulls.shifted_factor, "others")
 
     def _counting(self, call, name):
         def counting(*arguments, **options):
