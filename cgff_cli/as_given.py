@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -81,10 +81,16 @@ class Analysis:
         """States, mechanisms, stability, modes, and a reason for all that is null."""
         return self.given.analysis_of_geometry() if self.is_geometry else self.given.analysis()
 
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """What deserves a second look, as in a result; of a geometry only in the scene."""
+        if self.is_geometry:
+            return self.result.source.warnings
+        return replace(self.result, found=self.analysis).warnings
+
     def to_dict(self) -> dict[str, Any]:
         """Return every field of the JSON, in the order it is written."""
-        fields = {name: getattr(self, name) for name in ANALYSIS_FIELDS}
-        names = self.result.source.node_names
+        fields, names = {name: getattr(self, name) for name in ANALYSIS_FIELDS}, self.result.source.node_names
         fields["sensitivity"] = {
             of: {
                 "nodes": None if X is None else dict(zip(names, X.tolist(), strict=True)),
@@ -97,7 +103,8 @@ class Analysis:
 
 
 ANALYSIS_FIELDS = (
-    *("schema", "tool", "scene", "balanced", "message", "residual", "groups", "analysis", "sensitivity"),
+    *("schema", "tool", "scene", "balanced", "message", "warnings", "residual", "groups", "analysis"),
+    "sensitivity",
 )
 
 

@@ -12,11 +12,11 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 1619,
+    "top": 1626,
     "analysis": 2091,
     "cli": 2020,
     "mechanics": 966,
-    "report": 1539,
+    "report": 1540,
     "rivals": 720,
     "scene": 3563,
     "solvers": 2417,

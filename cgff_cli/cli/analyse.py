@@ -39,9 +39,8 @@ _EPILOG = examples(
     "--modes",
     section="Analysis",
     type=click.IntRange(min=0),
-    default=3,
     metavar="N",
-    help="Tell N mechanisms and the N softest motions. Default: 3.",
+    help="Tell N mechanisms, and the N softest motions. Default: 3.",
 )
 @flag(
     "--sensitivity",
@@ -60,9 +59,7 @@ def command(ctx: click.Context, scene: str, **values: Any) -> None:
     """Judge a shape as given: balance, states, mechanisms, stability.
 
     The coordinates are those of a scene, or those that a result of `cgff solve` has found; nothing is solved.
-    Told are also the softest motions, the critical load factor and what rest lengths do. Where the forces do
-    not balance the exit code is 4, and what can be told is told all the same. A scene without rest lengths
-    has states of self-stress and mechanisms.
+    Where the forces do not balance the exit code is 4, and what can be told is told all the same.
     """
     from cgff_cli import as_given
     from cgff_cli.scene.read import load
@@ -72,10 +69,11 @@ def command(ctx: click.Context, scene: str, **values: Any) -> None:
     check_targets(targets, files_of([scene]))
     given = load(scene, results=True)
     refuse_inputs(targets, ((path, f"a file of {title(scene)}") for path in given.files))
-    own = {name: values[name] for name in ("modes", "sensitivity")} | given_solve_options(values)
-    found = as_given.analyse(given, **own)
+    own = {name: values[name] for name in ("modes", "sensitivity") if values[name] is not None}
+    found = as_given.analyse(given, **own, **given_solve_options(values))
     write_output(values["output"] or STDOUT, _text(found, form))
-    warn_of(scene, given.warnings)
+    if not (form == "table" and screen()["terminal"]):
+        warn_of(scene, found.warnings)
     if found.balanced is False:
         say(f"cgff: {title(scene)}: {found.message}")
     ctx.exit(ExitCode.NOT_CONVERGED if found.balanced is False else ExitCode.OK)

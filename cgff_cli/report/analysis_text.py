@@ -63,6 +63,7 @@ def _facts(found: Analysis) -> Iterator[tuple[str, str]]:
     names: dict[str, list[str]] = {}
     for name, why in analysis["reason"].items():
         names.setdefault(why.removeprefix("not told: "), []).append(name)
+    yield from (("warning", clean(warning)) for warning in found.warnings)
     yield from (("not told", f"{', '.join(own)}: {why}") for why, own in names.items())
 
 

@@ -7,6 +7,7 @@ import pytest
 
 import cgff_cli
 from cgff_cli import pipeline
+from cgff_cli.as_given import MODES
 from tests.cli.conftest import Run
 
 GEOMETRY = """\
@@ -25,7 +26,10 @@ elements:
 supports: {foot: xy, left: xy, right: xy}
 loads: {head: [0, -3]}
 """
-FIELDS = ["schema", "tool", "scene", "balanced", "message", "residual", "groups", "analysis", "sensitivity"]
+FIELDS = [
+    *("schema", "tool", "scene", "balanced", "message", "warnings", "residual", "groups", "analysis"),
+    "sensitivity",
+]
 
 
 @pytest.fixture
@@ -56,7 +60,9 @@ def test_a_scene_out_of_balance_is_4_and_analysed_all_the_same(run: Run):
     ended = run("analyse", "prism.yaml")
     found = json.loads(ended.stdout)
     assert ended.exit_code == 4
-    assert ended.stderr == f"cgff: prism.yaml: {found['message']}\n"
+    assert ended.stderr.splitlines()[-1] == f"cgff: prism.yaml: {found['message']}"
+    assert len(found["warnings"]) == len(ended.stderr.splitlines()) - 1 == 1
+    assert found["warnings"][0].startswith("strain: ")
     assert (found["balanced"], found["analysis"]["mechanisms"]) == (False, 2)
 
 
@@ -145,6 +151,12 @@ def test_it_goes_to_a_file_but_never_over_its_scene(run: Run, solved: str):
     assert ended.exit_code == 2
     assert "would be written over" in ended.stderr
     assert run("analyse", solved, "-o", "out.csv").exit_code == 2
+
+
+def test_as_many_motions_are_told_as_the_help_says(run: Run, solved: str):
+    modes = json.loads(run("analyse", solved).stdout)["analysis"]["modes"]
+    assert [mode["kind"] for mode in modes] == ["mechanism"] + ["softest"] * MODES
+    assert f"Default: {MODES}." in run("analyse", "--help").stdout
 
 
 def test_two_runs_write_the_same_bytes(run: Run, solved: str):
