@@ -13,7 +13,7 @@ MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
     "top": 1626,
-    "analysis": 2091,
+    "analysis": 2097,
     "cli": 2020,
     "mechanics": 966,
     "report": 1540,

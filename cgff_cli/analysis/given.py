@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from cgff_cli.analysis.buckling import critical_load_factor
-from cgff_cli.analysis.equilibrium import analysed, carries
+from cgff_cli.analysis.equilibrium import analysed, carries, stability_of
 from cgff_cli.analysis.mechanisms import mechanisms_of
 from cgff_cli.analysis.modes import by_nodes, modes_of, spectrum_of
 from cgff_cli.analysis.ranks import Ranks
@@ -48,12 +48,16 @@ class Given:
         self.options = options.merged({"analysis": "always"})
         self.balanced, self.floor = solution.verdict.converged, solution.balance.floor
         self.judged: tuple[State, np.ndarray, Signs] | None = None
+        self._kept: dict[bytes, Signs] = {}
 
     def signs_of(self, state: State, taut: np.ndarray, floor: float) -> Signs:
-        """Return the spectrum of K at a state, and keep it: the last is that of the state judged."""
-        signs = spectrum_of(state, taut, floor, self.options.factor, max(self.count, LEAST))
-        self.judged = state, taut, signs
-        return signs
+        """Return the spectrum of K at a state, made once; the last asked for is that of the state judged."""
+        key = state.X.tobytes()
+        if key not in self._kept:
+            count = max(self.count, LEAST)
+            self._kept[key] = spectrum_of(state, taut, floor, self.options.factor, count)
+        self.judged = state, taut, self._kept[key]
+        return self._kept[key]
 
     @cached_property
     def base(self) -> dict[str, Any]:
@@ -63,7 +67,9 @@ class Given:
     @cached_property
     def tangent(self) -> tuple[State, np.ndarray, Signs]:
         """The state that is judged, (b,) bool which elements resist there, and the signs of K."""
-        if self.balanced and self.base and self.judged:
+        if self.balanced and self.judged is None:
+            stability_of(self.solution, self.options, float("inf"), self.signs_of)
+        if self.judged:
             return self.judged
         state = self.solution.state
         taut = resists(state, self.floor) if self.balanced else state.taut
@@ -116,7 +122,7 @@ class Given:
     def _mechanisms(self) -> tuple[np.ndarray | None, list[Mode]]:
         """Return what stress resists along mechanisms, (m,), None in large ones; and the softest of these."""
         state = self.solution.state
-        if not state.mechanics.is_small or self.base["mechanisms"] is None:
+        if self.base["mechanisms"] is None or not state.mechanics.is_small:
             return None, []
         values, shapes = mechanisms_of(Ranks(state, self.base["rank_tolerance"]))
         scaled = values * state.mechanics.frame.stiffness
