@@ -16,7 +16,7 @@ BUDGET = {
     "analysis": 2097,
     "cli": 2020,
     "mechanics": 966,
-    "report": 1540,
+    "report": 1543,
     "rivals": 720,
     "scene": 3563,
     "solvers": 2417,

@@ -109,7 +109,10 @@ def _sensitivity(found: Analysis, of: str, own: Sensitivity, full: bool) -> Iter
         yield fields([(f"per unit of {clean(of)}", reason)])
         return
     names, size = found.result.source.node_names, np.linalg.norm(X, axis=1)
-    most = np.argsort(-size.round(12), kind="stable")[: len(names) if full else 3].tolist()
+    order = np.argsort(
+        -(size / (size.max() or 1.0)).round(6), kind="stable"
+    )  # equal but for rounding: in order
+    most = order[: len(names) if full else 3].tolist()
     moved = ", ".join(f"{clean(names[row])} {number(size[row])}" for row in most)
     yield fields([(f"per unit of {clean(of)}", f"nodes move, most of all {moved}; forces change")])
     yield from changes_table(found.result, t)
