@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.optimize import linprog
+from scipy.linalg import null_space
+from scipy.optimize import linprog, nnls
 
 import cgff_cli
 from tests.geometries import (
@@ -30,6 +31,7 @@ from tests.paper.printed import TABLE_3, TABLE_4
 
 OF_MANY_STATES = {
     "octahedron": solid("octahedron"),
+    "askew octahedron": moved(solid("octahedron"), 0.2, 1),
     "cuboctahedron": solid("cuboctahedron"),
     "levy": dome(6, 2, levy=True),
     "stack": stack(3, 3),
@@ -75,7 +77,7 @@ def rows_of(scene, labels):
 
 
 def assert_proven(scene, found):
-    """What is said never to carry its sign is lengthened or shortened against it, and nothing else moves so."""
+    """What never carries its sign is lengthened, or shortened, so that it cannot, and nothing else is."""
     rate = signs_of(scene) * lengthening(scene, found.certificate)
     never = rows_of(scene, found.never)
     size = np.abs(rate).max()
@@ -197,6 +199,13 @@ def test_of_many_states_no_other_has_a_greater_least_member(name):
     )
     q = np.abs(found.force_densities)
     assert q.min() / q.max() == pytest.approx(-best.fun, rel=1e-6)
+    # Of all as good, the least: the distance of a polyhedron from 0 (Lawson and Hanson 1974).
+    N = null_space(U)
+    W, size = signs[:, None] * N, -best.fun * (1.0 - 1e-9)
+    G, h = np.concatenate((W, -W)), np.concatenate((np.full(b, size), -np.ones(b)))
+    E, f = np.concatenate((G.T, h[None])), np.append(np.zeros(N.shape[1]), 1.0)
+    left = E @ nnls(E, f)[0] - f
+    assert np.linalg.norm(q / q.max()) == pytest.approx(np.linalg.norm(left[:-1] / left[-1]), rel=1e-5)
 
 
 @pytest.mark.parametrize("name", OF_MANY_STATES)
@@ -247,17 +256,13 @@ def test_groups_share_one_force_density_where_they_can():
         low, high = own["force_density"]
         assert low == pytest.approx(high, rel=1e-14)
     assert found.group_states == 1
+    oblong = x_module(((0, 0), (2, 0), (2, 1), (0, 1)))
+    assert cgff_cli.prestress(oblong, by_group=True).feasible
     found = cgff_cli.prestress(
-        geometry(
-            x_module(((0, 0), (1, 0), (2, 3), (0, 1))).coordinates,
-            {"ring": ("cable", [(0, 1), (1, 2), (2, 3), (3, 0)]), "struts": ("strut", [(0, 2), (1, 3)])},
-        ),
-        by_group=True,
-    )
+        oblong, by_group=True, equal="force"
+    )  # its sides carry forces as their lengths
     assert (found.feasible, found.self_stress_states, found.group_states) == (False, 1, 0)
-    assert found.reason.startswith(
-        "no self-stress has one force density per group; without that there is 1 state"
-    )
+    assert found.reason.startswith("no self-stress has one force per group; without that there is 1 state")
 
 
 @pytest.mark.parametrize(
@@ -311,6 +316,11 @@ def test_loads_that_need_more_strain_get_it_and_a_warning():
     found = cgff_cli.prestress(truss(4, 50.0))
     assert found.feasible
     assert found.warnings[0].startswith("the loads alone strain cables by 0.")
+    scene = replace(OF_MANY_STATES["levy"], loads=dict.fromkeys(range(12), (0.0, 0.0, -50.0)))
+    found = cgff_cli.prestress(scene)
+    assert_held(scene, found)
+    needed = float(found.warnings[0].split()[6].rstrip(","))
+    assert found.result.max_strain == pytest.approx(2.0 * needed, rel=1e-2)
 
 
 def test_a_force_sets_the_level():
