@@ -14,7 +14,7 @@ MOST_LINES_OF_A_FUNCTION = 50
 BUDGET = {
     "top": 1626,
     "analysis": 2097,
-    "cli": 2020,
+    "cli": 2018,
     "mechanics": 966,
     "report": 1543,
     "rivals": 720,

@@ -194,7 +194,7 @@ def _blame(answer: Answer, balance: SelfStress, signs: np.ndarray) -> None:
         answer.why = "loads"
     elif not found.proven:
         answer.why = "undecided"
-    elif balance.states == 0:
+    elif balance.states == 0 and not balance.is_loaded:
         answer.why = "no_group_state" if answer.states else "no_state"
     else:
         answer.why = "signs"
