@@ -13,13 +13,15 @@ from cgff_cli.analysis.equilibrium import labels
 from cgff_cli.analysis.given import Given
 from cgff_cli.analysis.sensitivity import Sensitivity
 from cgff_cli.errors import OptionError, Problem, SceneError
+from cgff_cli.mechanics.elements import EPS
+from cgff_cli.mechanics.norms import largest
 from cgff_cli.mechanics.state import Mechanics
 from cgff_cli.options import DEFAULTS
 from cgff_cli.result import Result
 from cgff_cli.scene.physics import all_pairs
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers.solution import Solution
-from cgff_cli.solvers.stopping import Gauge, Verdict
+from cgff_cli.solvers.stopping import Verdict
 from cgff_cli.structure import from_scene
 
 MODES = 3
@@ -32,7 +34,6 @@ class Analysis:
 
     result: Result
     given: Given
-    is_geometry: bool
     sensitivity: dict[str, Sensitivity]
     schema: str = field(default="cgff-analysis/1", init=False)
 
@@ -45,6 +46,11 @@ class Analysis:
     def scene(self) -> dict[str, Any]:
         """Which scene it is: name, path, law, dimension."""
         return self.result.scene
+
+    @property
+    def is_geometry(self) -> bool:
+        """Whether there are no rest lengths, and so no forces."""
+        return self.result.source.is_geometry
 
     @property
     def balanced(self) -> bool | None:
@@ -79,7 +85,7 @@ class Analysis:
     @cached_property
     def analysis(self) -> dict[str, Any]:
         """States, mechanisms, stability, modes, and a reason for all that is null."""
-        return self.given.analysis_of_geometry() if self.is_geometry else self.given.analysis()
+        return self.given.analysis()
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
@@ -128,17 +134,15 @@ def analyse(
 
         scene = load(scene, results=True)
     if isinstance(scene, Result):
-        source, solution, options = scene.source, scene.solution, scene.solve_options.merged(changes)
-        scene, is_geometry = source, False
+        source, options = scene.source, scene.solve_options.merged(changes)
+        solution = _judged(replace(scene.solution, tolerance=options.tolerance))
     else:
-        options, is_geometry = DEFAULTS.merged({**scene.solver, **changes}), scene.is_geometry
+        source, options = scene, DEFAULTS.merged({**scene.solver, **changes})
         solution = _as_given(scene, options.tolerance)
-    given = Given(scene, solution, options, modes)
+    given = Given(source, solution, options, modes)
     of = (sensitivity,) if isinstance(sensitivity, str) else sensitivity
     found = {name: given.sensitivity(name) for name in of}
-    return Analysis(
-        Result(scene, solution.mechanics.structure, options, solution, 0.0), given, is_geometry, found
-    )
+    return Analysis(Result(source, solution.mechanics.structure, options, solution, 0.0), given, found)
 
 
 def _as_given(scene: Scene, tolerance: float) -> Solution:
@@ -153,6 +157,13 @@ def _as_given(scene: Scene, tolerance: float) -> Solution:
         message = f"nothing can be told of an element without length: {', '.join(labels(scene, gone[:3]))}"
         raise SceneError([Problem(scene.path, *scene.elements_at, message)])
     mechanics = Mechanics(structure)
-    state = mechanics.at(mechanics.start)
-    reached = Gauge(mechanics).measure(state).reached(tolerance)
-    return Solution(state, reached or Verdict.MAX_ITERATIONS, tolerance, 1)
+    return _judged(Solution(mechanics.at(mechanics.start), Verdict.MAX_ITERATIONS, tolerance, 1))
+
+
+def _judged(solution: Solution) -> Solution:
+    """Return a solution with the verdict of its balance; what the digits of coordinates blur is rounding."""
+    m, balance = solution.mechanics, solution.balance
+    digits = EPS * largest(m.nodal_stiffness) * largest(m.structure.coordinates) / m.frame.length
+    is_rounding = balance.near_floor or balance.residual <= 2.0 * digits
+    verdict = balance.reached(solution.tolerance) or (Verdict.ROUNDING_FLOOR if is_rounding else None)
+    return replace(solution, verdict=verdict or solution.verdict)

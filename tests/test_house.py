@@ -12,8 +12,8 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 1626,
-    "analysis": 2097,
+    "top": 1637,
+    "analysis": 2101,
     "cli": 2018,
     "mechanics": 966,
     "report": 1543,

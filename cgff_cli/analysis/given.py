@@ -83,6 +83,8 @@ class Given:
 
     def analysis(self) -> dict[str, Any]:
         """Return the `analysis` object with every field, null for a reason it tells."""
+        if self.scene.is_geometry:
+            return self._without_forces()
         stress, mechanisms = self._mechanisms()
         told, softest = self._stiffness()
         if self.base["prestress_stable"] is None and self.balanced:
@@ -90,8 +92,8 @@ class Given:
         modes = [*mechanisms, *softest] if softest is not None else None
         return _with(self.base, told | {"modes": (modes, _NOT_FOUND)})
 
-    def analysis_of_geometry(self) -> dict[str, Any]:
-        """Return the same of a geometry: states and mechanisms, without forces and stiffness."""
+    def _without_forces(self) -> dict[str, Any]:
+        """Return the same of a geometry: states and mechanisms."""
         modes = [mode | {"stiffness": None} for mode in self._mechanisms()[1]]
         told: Told = dict.fromkeys(OF_FORCES, (None, GEOMETRY))
         return _with(self.base, told | {"modes": (modes, "")})
@@ -102,6 +104,8 @@ class Given:
         Raises OptionError where there is no such group or element.
         """
         rows = chosen_rows(self.scene, of)
+        if self.scene.is_geometry:
+            return Sensitivity(None, None, GEOMETRY)
         if not self.balanced:
             return Sensitivity(None, None, NOT_BALANCED)
         return unit_response(*self.tangent, rows, self.scene.law == "hooke", self.doubt)

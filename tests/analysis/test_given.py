@@ -40,8 +40,10 @@ def test_states_mechanisms_and_stability_are_those_of_theory(known: Known, entri
 @pytest.mark.parametrize("known", KNOWN, ids=[known.name for known in KNOWN])
 def test_a_geometry_has_the_same_states_and_mechanisms(known: Known, entries):
     lengths = np.full(known.scene.element_count, np.nan)
-    found = cgff_cli.analyse(known.scene.with_rest_lengths(lengths))
+    of = known.scene.groups[0].name
+    found = cgff_cli.analyse(known.scene.with_rest_lengths(lengths), sensitivity=of)
     told = found.analysis
+    assert "no rest lengths" in found.sensitivity[of].reason
     assert (told["self_stress_states"], told["mechanisms"]) == (known.states, known.mechanisms)
     assert (found.balanced, found.residual, told["stable"]) == (None, None, None)
     assert "no rest lengths" in told["reason"]["stable"]

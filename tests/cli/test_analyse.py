@@ -1,6 +1,7 @@
 """`cgff analyse`: scenes, results and geometries; formats, exit codes, words."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -76,6 +77,19 @@ def test_a_tolerance_may_call_printed_coordinates_balanced(run: Run, solved: str
     found = json.loads(ended.stdout)["analysis"]
     assert ended.exit_code == 0
     assert (found["self_stress_states"], found["mechanisms"], found["stable"]) == (1, 1, True)
+
+
+def test_what_a_solve_calls_balanced_is_so_far_from_the_origin_and_at_the_rounding_floor(run: Run):
+    scene = cgff_cli.load("prism.yaml")
+    Path("far.yaml").write_text(cgff_cli.to_yaml(replace(scene, coordinates=scene.coordinates + 1e6)))
+    Path("floor.yaml").write_text(cgff_cli.to_yaml(cgff_cli.new("tower", stages=60)))
+    for name, options in (("far", ()), ("floor", ("--tolerance", "1e-16"))):
+        assert run("solve", f"{name}.yaml", "-o", f"{name}.json", *options).exit_code == 0
+        ended = run("analyse", f"{name}.json")
+        found = json.loads(ended.stdout)
+        assert (ended.exit_code, found["balanced"]) == (0, True), found["message"]
+        assert found["analysis"]["stability"] == "stable"
+        assert found["analysis"]["self_stress_states"] == {"far": 1, "floor": 180}[name]
 
 
 def test_a_geometry_has_states_and_mechanisms_and_reasons(run: Run):
