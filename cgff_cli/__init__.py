@@ -20,6 +20,8 @@ _HOME = {
     "new": "cgff_cli.scene.new",
     "solve": "cgff_cli.pipeline",
     "solve_many": "cgff_cli.many",
+    "analyse": "cgff_cli.as_given",
+    "prestress": "cgff_cli.rest_lengths",
     "compare": "cgff_cli.study.compare",
     "shipped": "cgff_cli.scene.read",
     "Scene": "cgff_cli.scene.scene",

@@ -4,7 +4,8 @@ from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
-from cgff_cli.analysis.equilibrium import INTERRUPTED, analysed, unanalysed
+from cgff_cli.analysis.equilibrium import analysed, unanalysed
+from cgff_cli.analysis.reasons import INTERRUPTED
 from cgff_cli.options import DEFAULTS, SolveOptions
 from cgff_cli.result import Result
 from cgff_cli.scene.scene import Scene

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import isfinite
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,12 +12,15 @@ from cgff_cli.analysis import measures
 from cgff_cli.analysis.equilibrium import analysed, stability_warnings
 from cgff_cli.cautions import Found, cautions
 from cgff_cli.options import SolveOptions
+from cgff_cli.scene.results import RESULT_SCHEMA
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers.solution import Solution
 from cgff_cli.solvers.stopping import Verdict
 from cgff_cli.structure import Structure
 
-SCHEMA = "cgff-result/1"
+if TYPE_CHECKING:
+    from cgff_cli.analysis.given import Given
+    from cgff_cli.analysis.sensitivity import Sensitivity
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +34,7 @@ class Result:
     seconds: float
     found: dict[str, Any] | None = None
     analysis_interrupted: bool = False
-    schema: str = field(default=SCHEMA, init=False)
+    schema: str = field(default=RESULT_SCHEMA, init=False)
     tool: dict[str, str] = field(default_factory=TOOL.copy, init=False)
 
     @property
@@ -166,13 +169,12 @@ class Result:
     def groups(self) -> dict[str, dict[str, Any]]:
         """For each group its count, its slack elements, least and greatest length, force, force density."""
         counts = [len(group.EA) for group in self.source.groups]
-        firsts = np.cumsum([0, *counts[:-1]])
         columns = {
             "count": counts,
-            "length": measures.spans(self.lengths, firsts),
-            "force": measures.spans(self.forces, firsts),
-            "force_density": measures.spans(self.force_densities, firsts),
-            "slack": np.add.reduceat(self.slack, firsts, dtype=int).tolist(),
+            "length": measures.spans(self.lengths, counts),
+            "force": measures.spans(self.forces, counts),
+            "force_density": measures.spans(self.force_densities, counts),
+            "slack": np.add.reduceat(self.slack, measures.firsts(counts), dtype=int).tolist(),
         }
         return dict(zip((group.name for group in self.source.groups), _records(columns), strict=True))
 
@@ -209,9 +211,23 @@ class Result:
     @property
     def reactions(self) -> dict[str, list[float]]:
         """Force each support exerts on its node, zero in directions it leaves free."""
-        held = self.solution.reactions
-        names = self.source.node_names
+        held, names = self.solution.reactions, self.source.node_names
         return {names[row]: held[row].tolist() for row in sorted(self.source.supports)}
+
+    def sensitivity(self, of: str) -> "Sensitivity":
+        """Return what a unit of rest length does, in all of a group or in the element that joins A,B.
+
+        Its coordinates are (n, d) motions of nodes, its forces (b,) changes. Raises OptionError where there
+        is no such group or element.
+        """
+        return self._given.sensitivity(of)
+
+    @cached_property
+    def _given(self) -> "Given":
+        """The shape with one factor of K, for all that is asked."""
+        from cgff_cli.analysis.given import Given
+
+        return Given(self.source, self.solution, self.solve_options, 0)
 
     def to_dict(self) -> dict[str, Any]:
         """Return every field of the JSON result, in the order it is written."""

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cgff_cli.errors import Problem, SceneError
 from cgff_cli.scene.physics import component_labels
 from cgff_cli.scene.scene import AXES, Scene
 
@@ -32,15 +33,38 @@ class Structure:
         n = len(self.free)
         return np.bincount(self.start, values, n) + np.bincount(self.end, values, n)
 
+    @property
+    def part_count(self) -> int:
+        """How many parts there are that no element joins."""
+        return int(np.maximum.reduce(self._parts(slice(None)))) + 1
+
+    def _parts(self, which: np.ndarray | slice) -> np.ndarray:
+        """Return (n,) int: the connected part of each node; which: elements that join."""
+        return component_labels(len(self.free), np.array((self.start, self.end)).T[which])
+
     def is_tied(self, which: np.ndarray | slice = slice(None)) -> bool:
         """Return whether elements, all or some, (b,) bool, tie every node to one that nothing can move."""
-        label = component_labels(len(self.free), np.stack((self.start, self.end), axis=1)[which])
+        label = self._parts(which)
         held = label[~self.free.any(axis=1)]
         return bool(np.bincount(held, minlength=int(label.max()) + 1).all())
 
 
+def refuse_geometry(scene: Scene) -> None:
+    """Raise SceneError, placed at its elements, where a scene is a geometry."""
+    if scene.is_geometry:
+        message = (
+            "elements: without rest_length this is a geometry, and has no forces; "
+            "`cgff prestress` finds rest lengths that hold it"
+        )
+        raise SceneError([Problem(scene.path, *scene.elements_at, message)])
+
+
 def from_scene(scene: Scene) -> Structure:
-    """Return the arrays of a scene; both elastic laws, eq. (2) and Hooke's, become one stiffness."""
+    """Return the arrays of a scene; both elastic laws, eq. (2) and Hooke's, become one stiffness.
+
+    Raises SceneError for a geometry.
+    """
+    refuse_geometry(scene)
     n, d = scene.coordinates.shape
     groups = scene.groups
     pairs = np.concatenate([group.pairs for group in groups]).T

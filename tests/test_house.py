@@ -12,15 +12,15 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 1052,
-    "analysis": 602,
-    "cli": 1728,
-    "mechanics": 922,
-    "report": 1193,
+    "top": 1639,
+    "analysis": 2101,
+    "cli": 1966,
+    "mechanics": 966,
+    "report": 1396,
     "rivals": 694,
-    "scene": 3264,
+    "scene": 3424,
     "solvers": 2417,
-    "study": 1351,
+    "study": 1353,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""
 

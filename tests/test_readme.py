@@ -13,8 +13,8 @@ import click
 import pytest
 
 import cgff_cli
-from cgff_cli.analysis.equilibrium import MOST
 from cgff_cli.analysis.nulls import DENSE, MOST_SOFT
+from cgff_cli.analysis.reasons import MOST
 from cgff_cli.cli import COMMANDS, main
 from cgff_cli.cli.common import ExitCode
 from cgff_cli.cli.comparing import RIVALS

@@ -1,5 +1,7 @@
 """How much a structure is strained and has moved: the numbers a person judges it by."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 
@@ -32,6 +34,12 @@ def reach(X: np.ndarray) -> np.ndarray:
     return np.linalg.norm(X - X.mean(axis=0), axis=1)
 
 
-def spans(column: np.ndarray, firsts: np.ndarray) -> list[list[float]]:
-    """Return [least, greatest] of each run of rows that begins at one of firsts."""
-    return np.stack([end.reduceat(column, firsts) for end in (np.minimum, np.maximum)], axis=1).tolist()
+def firsts(counts: Sequence[int]) -> np.ndarray:
+    """Return the first row of each group of so many rows."""
+    return np.cumsum([0, *counts[:-1]])
+
+
+def spans(column: np.ndarray, counts: Sequence[int]) -> list[list[float]]:
+    """Return [least, greatest] of each group of so many rows of a column, (b,)."""
+    rows = firsts(counts)
+    return np.stack([end.reduceat(column, rows) for end in (np.minimum, np.maximum)], axis=1).tolist()

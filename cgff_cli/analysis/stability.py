@@ -10,6 +10,9 @@ from cgff_cli.mechanics.signs import SETTLED, Spectrum
 from cgff_cli.mechanics.state import State
 from cgff_cli.solvers.stopping import VANISHED
 
+LEAST = 6
+"""Eigenvalues of the tangent stiffness that are told."""
+
 MOST_REFINEMENTS = 3
 """Newton steps that bring forces left over down to rounding before signs are told."""
 
@@ -17,13 +20,28 @@ MOST_REFINEMENTS = 3
 class Signs(Protocol):
     """What stability asks of K at a state; see mechanics.signs.Spectrum."""
 
+    values: np.ndarray
     softest: float
+    blurred: float
     doubt: float
     shortest: float
+    count: int
     is_sure: bool
 
     def newton_steps(self) -> list[np.ndarray]:
         """Return steps, (d, m), towards the equilibrium near by."""
+
+    def solved(self, F: np.ndarray, doubt: float) -> np.ndarray | None:
+        """Return x, (d, m), with K x = F and no idle motion; None where F drives what has no stiffness."""
+
+    def negative(self, doubt: float) -> int | None:
+        """Return how many stiffnesses are below -doubt, None where that is not at hand."""
+
+    def counted(self, doubt: float) -> int | None:
+        """Return the same, None where rounding hides it."""
+
+    def modes(self, count: int) -> tuple[np.ndarray, np.ndarray, bool]:
+        """Return the least stiffnesses (c,), their shapes (c, d, m), and whether these are they."""
 
 
 SignsOf = Callable[[State, np.ndarray, float], Signs]
@@ -48,8 +66,17 @@ def stability(state: State, floor: float, signs: SignsOf = Spectrum) -> dict[str
             break
         state = there
         found = signs(state, resists(state, floor), floor)
-    softest = found.softest * state.mechanics.frame.stiffness
-    return told(_kind(found), state, floor) | {"smallest_stiffness": softest if isfinite(softest) else None}
+    return told(_kind(found), state, floor) | stiffnesses(state, found, found.doubt)
+
+
+def stiffnesses(state: State, found: Signs, doubt: float) -> dict[str, Any]:
+    """Return what K's least eigenvalues tell, in the user's units; doubt: the size that has no sign."""
+    values = found.values[:LEAST] * state.mechanics.frame.stiffness
+    return {
+        "smallest_stiffness": float(values[0]) if len(values) else None,
+        "negative_eigenvalues": found.negative(doubt),
+        "tangent_eigenvalues": values.tolist(),
+    }
 
 
 def _kind(found: Signs) -> str:

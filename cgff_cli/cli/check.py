@@ -80,6 +80,7 @@ def _record(path: str, scene: "Scene | None", problems: Iterable[Problem]) -> di
         "problems": [{name: value or None for name, value in own._asdict().items()} for own in problems],
         "warnings": list(scene.warnings) if scene else [],
         **{name: getattr(scene, name, None) for name in ("name", "law", "dimension")},
+        "geometry": scene.is_geometry if scene else None,
         **dict(zip_longest(_COUNTED, map(len, held))),
     }
 
@@ -99,7 +100,7 @@ def _line(record: dict[str, Any]) -> list[str]:
     held = f"{supports}, {loads}" if record["loads"] else supports
     line = (
         f"{record['path']}: ok: {nodes}, {elements} in {groups}, {record['dimension']}-D, {held}, "
-        f"law {record['law']}"
+        f"law {record['law']}{', a geometry without rest lengths' if record['geometry'] else ''}"
     )
     if not sys.stdout.isatty():
         return [f"{line}\n"]

@@ -62,9 +62,7 @@ class GraphPattern:
 
     def matrix(self, data: np.ndarray) -> "csc_array":
         """Return the matrix with (nnz,) data."""
-        from scipy.sparse import csc_array
-
-        return csc_array((data, self.indices, self.indptr), shape=(self.size, self.size))
+        return _columns(self, data)
 
     def blocks(self) -> "csr_array":
         """Return (nnz, b): where an element adds to the data, and where it takes away."""
@@ -73,6 +71,12 @@ class GraphPattern:
         b, source = len(self.start), self.sums.indices
         signs = np.where(source < 2 * b, self.sums.data, -self.sums.data)
         return csr_array((signs, source % b, self.sums.indptr), shape=(len(self.indices), b))
+
+
+def _columns(pattern: "GraphPattern | TangentPattern", data: np.ndarray) -> "csc_array":
+    from scipy.sparse import csc_array
+
+    return csc_array((data, pattern.indices, pattern.indptr), shape=(pattern.size, pattern.size))
 
 
 def _sorted(keys: np.ndarray, order: np.ndarray, size: int) -> np.ndarray:
@@ -133,6 +137,10 @@ class TangentPattern:
             data[self._cut] = 0.0
             data[self.diagonal[self._held]] = held
         return data
+
+    def matrix(self, data: np.ndarray) -> "csc_array":
+        """Return the matrix with (nnz,) data."""
+        return _columns(self, data)
 
     def _expanded(self) -> tuple[np.ndarray, np.ndarray]:
         """Return indices and indptr of the scalar matrix and remember where its entries stand in the sums."""

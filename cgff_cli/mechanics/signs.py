@@ -5,6 +5,7 @@ mean beyond doubt: rounding blurs K, and a force density is known no better than
 element's own rounding allow, over its length.
 """
 
+from functools import cached_property
 from math import sqrt
 
 import numpy as np
@@ -15,6 +16,9 @@ from cgff_cli.mechanics.state import State
 
 BLUR = 1e-14
 """Rounding error of an eigenvalue over the norm of its matrix and the root of its size, with some room."""
+
+DRIVEN = 1e-9
+"""Share of a force that rounding may put along a motion which it does not drive."""
 
 SETTLED = 8.0
 """Kantorovich: where K changes by at most L per length, a smallest stiffness s with s^2 > 8 L |eta| keeps
@@ -28,7 +32,7 @@ def blurred(K: np.ndarray, state: State) -> float:
 
 def blurred_at_most(state: State) -> float:
     """Return the same of a sparse K, from the largest sum of stiffnesses at a node, which bounds its norm."""
-    return BLUR * float(state.mechanics.scale_stiffness.max()) + _own_rounding(state)
+    return BLUR * largest(state.mechanics.scale_stiffness) + _own_rounding(state)
 
 
 def _own_rounding(state: State) -> float:
@@ -90,7 +94,8 @@ def idle_motions(state: State, floor: float) -> tuple[np.ndarray, bool]:
 class Spectrum:
     """Stiffnesses apart from idle rigid motions, and what of them is told.
 
-    softest : the least eigenvalue of K; infinity where nothing but idle motions can happen
+    values  : (count,) eigenvalues of K apart from idle motions, rising
+    softest : the least of them; infinity where nothing but idle motions can happen
     shortest : see above
     blurred, doubt : the size that rounding hides, and the size that has no sign
     is_sure        : whether rounding alone, not what is left of the forces, decides which motions are idle
@@ -107,19 +112,50 @@ class Spectrum:
         self.shortest = shortest(state)
         self.doubt = self.blurred + 4.0 * state.norm / self.shortest
         R, self.is_sure = idle_motions(state, floor)
-        if R.size:  # K R is no more than what is left of the forces: R above all else leaves the rest alone
-            K += (2.0 * norm(K) * R) @ R.T
+        if R.size:
+            KR, above = K @ R, 2.0 * norm(K)
+            if largest(KR) ** 2 > self.blurred * above:  # forces out of balance tie R to the rest
+                K -= KR @ R.T + R @ (KR - R @ (R.T @ KR)).T
+            K += (above * R) @ R.T  # above all else, where it leaves the rest alone
         self.K, self.count = K, len(K) - R.shape[1]
-        self.softest = float(np.linalg.eigvalsh(K)[0]) if self.count else float("inf")
+        self.values = np.linalg.eigvalsh(K)[: self.count]
+        self.softest = float(self.values[0]) if self.count else float("inf")
+
+    @cached_property
+    def eigen(self) -> tuple[np.ndarray, np.ndarray]:
+        """Eigenvalues (count,) of K apart from idle motions, rising, and their vectors (f, count)."""
+        values, vectors = np.linalg.eigh(self.K)
+        return values[: self.count], vectors[:, : self.count]
 
     def newton_steps(self) -> list[np.ndarray]:
         """Return Newton steps, (d, m), along all that has stiffness beyond rounding, and beyond doubt."""
-        values, vectors = np.linalg.eigh(self.K)
-        dofs, steps = self.state.mechanics.dofs, []
-        for least in (self.blurred, self.doubt):
-            sure = np.abs(values[: self.count]) > least
-            along = vectors[:, : self.count][:, sure]
-            step = np.zeros(self.state.X.size)
-            step[dofs] = -along @ ((along.T @ self.state.g.reshape(-1)[dofs]) / values[: self.count][sure])
-            steps.append(step.reshape(self.state.X.shape))
-        return steps
+        return [-self._along(self.state.g, least)[0] for least in (self.blurred, self.doubt)]
+
+    def solved(self, F: np.ndarray, doubt: float) -> np.ndarray | None:
+        """Return x, (d, m), with K x = F and no idle motion in it; None where F drives what is not stiff."""
+        x, left = self._along(F, doubt)
+        return x if left <= DRIVEN * norm(F) else None
+
+    def _along(self, F: np.ndarray, doubt: float) -> tuple[np.ndarray, float]:
+        """Return K^-1 F along what is stiffer than the doubt, and the largest part of F along what is not."""
+        values, vectors = self.eigen
+        sure, parts = np.abs(values) > doubt, vectors.T @ F.reshape(-1)[self.state.mechanics.dofs]
+        return self._spread(vectors[:, sure] @ (parts[sure] / values[sure])), largest(parts[~sure])
+
+    def _spread(self, free: np.ndarray) -> np.ndarray:
+        """Return (d, m) of what free directions hold, (f,)."""
+        full = np.zeros(self.state.X.size)
+        full[self.state.mechanics.dofs] = free
+        return full.reshape(self.state.X.shape)
+
+    def negative(self, doubt: float) -> int:
+        """Return how many eigenvalues are below -doubt."""
+        return int((self.values < -doubt).sum())
+
+    counted = negative
+
+    def modes(self, count: int) -> tuple[np.ndarray, np.ndarray, bool]:
+        """Return the (c,) least eigenvalues apart from idle motions, unit shapes (c, d, m), and True."""
+        values, vectors = self.eigen
+        shapes = [self._spread(vector) for vector in vectors.T[:count]]
+        return values[:count], np.array(shapes).reshape(len(shapes), *self.state.X.shape), True

@@ -7,6 +7,7 @@ import numpy as np
 from rich.console import RenderableType
 from rich.text import Text
 
+from cgff_cli.analysis.measures import spans
 from cgff_cli.hints import count
 from cgff_cli.report.terminal import (
     Aligned,
@@ -20,6 +21,7 @@ from cgff_cli.report.terminal import (
     verdict_words,
 )
 from cgff_cli.result import Result
+from cgff_cli.scene.scene import Scene
 
 FEW = 30
 """Lists longer than this are summarised unless asked for in full."""
@@ -44,17 +46,13 @@ def result_page(result: Result, full: bool = False) -> Iterator[RenderableType]:
         yield _vectors("node", names, X)
     if len(pulls) and not many_reactions:
         yield _vectors("reaction", reactions, pulls)
-    yield _elements(result) if full or result.source.element_count <= FEW else _groups(result)
+    yield _elements(result) if full or result.source.element_count <= FEW else group_table(result)
 
 
 def _facts(result: Result) -> Iterator[tuple[str, str]]:
     source, residual, counts = result.source, result.residual, result.counts
     yield "verdict", result.message
-    yield (
-        "structure",
-        f"{count(len(source.node_names), 'node')}, {count(source.element_count, 'element')} in "
-        f"{count(len(source.groups), 'group')}, {source.dimension}-D, law {source.law}",
-    )
+    yield "structure", structure_words(source)
     yield (
         "residual",
         f"{residual['max']:.2e}, {residual['relative']:.2e} of the reference force "
@@ -67,6 +65,14 @@ def _facts(result: Result) -> Iterator[tuple[str, str]]:
     yield "analysis", analysis_words(result.analysis)
     for warning in result.warnings:
         yield "warning", clean(warning)
+
+
+def structure_words(source: Scene) -> str:
+    """Return how large a scene is."""
+    return (
+        f"{count(len(source.node_names), 'node')}, {count(source.element_count, 'element')} in "
+        f"{count(len(source.groups), 'group')}, {source.dimension}-D, law {source.law}"
+    )
 
 
 def _change(result: Result) -> str:
@@ -109,7 +115,7 @@ def _listed(analysis: dict[str, Any], key: str, count_key: str, singular: str, p
 
 def _vectors(title: str, names: Iterable[str], values: np.ndarray) -> Aligned:
     axes = zip("xyz", values.T.tolist(), strict=False)
-    return Aligned([_names(title, names), *(Column(axis, numbers(own), True) for axis, own in axes)])
+    return Aligned([names_column(title, names), *(Column(axis, numbers(own), True) for axis, own in axes)])
 
 
 def _by_axis(texts: Iterable[str]) -> str:
@@ -121,10 +127,10 @@ def _elements(result: Result) -> Aligned:
     slack = ["slack" if slack else "" for slack in result.slack.tolist()]
     return Aligned(
         [
-            _names("element", (group.name for group in groups for _ in group.EA)),
+            names_column("element", (group.name for group in groups for _ in group.EA)),
             Column("kind", [group.kind for group in groups for _ in group.EA]),
-            _names("start", (names[row] for row in s.start.tolist())),
-            _names("end", (names[row] for row in s.end.tolist())),
+            names_column("start", (names[row] for row in s.start.tolist())),
+            names_column("end", (names[row] for row in s.end.tolist())),
             Column("length", numbers(result.lengths.tolist()), True),
             Column("force", numbers(result.forces.tolist()), True),
             Column("force density", numbers(result.force_densities.tolist()), True),
@@ -134,21 +140,30 @@ def _elements(result: Result) -> Aligned:
     )
 
 
-def _groups(result: Result) -> Aligned:
+def group_table(result: Result, names: Iterable[str] = ("length", "force", "force_density")) -> Aligned:
+    """Return a row per group: least and greatest of some columns of its elements."""
     groups = result.groups
     slack = column("slack", (entry["slack"] for entry in groups.values()))
     return Aligned(
         [
-            _names("group", groups),
+            names_column("group", groups),
             Column("kind", [group.kind for group in result.source.groups]),
             column("count", (entry["count"] for entry in groups.values())),
-            *(_spans(groups, name) for name in ("length", "force", "force_density")),
+            *(spans_column(groups, name) for name in names),
             *([slack] if result.slack.any() else []),
         ]
     )
 
 
-def _spans(groups: dict[str, dict[str, Any]], name: str) -> Column:
+def changes_table(result: Result, changes: np.ndarray) -> Aligned:
+    """Return a row per group: least and greatest change of its elements' forces; changes: (b,)."""
+    own = result.source.groups
+    rows = spans(changes, [len(group.EA) for group in own])
+    groups = {group.name: {"force_change": ends} for group, ends in zip(own, rows, strict=True)}
+    return Aligned([names_column("group", groups), spans_column(groups, "force_change")])
+
+
+def spans_column(groups: dict[str, dict[str, Any]], name: str) -> Column:
     """Return a column of `least .. greatest` per group, or of one value where they look the same."""
     texts = numbers([end for entry in groups.values() for end in entry[name]])
     width = max(map(len, texts))
@@ -157,5 +172,6 @@ def _spans(groups: dict[str, dict[str, Any]], name: str) -> Column:
     return Column(name.replace("_", " "), cells, True)
 
 
-def _names(title: str, names: Iterable[str]) -> Column:
+def names_column(title: str, names: Iterable[str]) -> Column:
+    """Return a column of names."""
     return Column(title, list(map(clean, names)))

@@ -44,8 +44,11 @@ def read_elements(
         findings.add_key(("elements", outside[0]), message)
     keys = list(values)
     CellColumn(findings, keys, lambda row: ("elements", keys[row]), at_key=True).names()
+    given = {key for group in values.values() if isinstance(group, dict) for key in group}
+    is_geometry = "EA" in given and "rest_length" not in given
+    required = tuple(key for key in GROUP_KEYS if key != "rest_length" or not is_geometry)
     groups = [
-        _group(findings, ("elements", key), group, nodes, law)
+        _group(findings, ("elements", key), group, nodes, law, required)
         for key, group in values.items()
         if not outside or isinstance(group, dict)
     ]
@@ -54,12 +57,18 @@ def read_elements(
 
 
 def _group(
-    findings: Findings, where: Where, value: object, nodes: Nodes | None, law: str | None
+    findings: Findings,
+    where: Where,
+    value: object,
+    nodes: Nodes | None,
+    law: str | None,
+    required: Sequence[str],
 ) -> Group | None:
+    """Return a group; required: its keys, without rest_length in a geometry."""
     values = fields.mapping(findings, where, value, f"with the keys {', '.join(GROUP_KEYS)}")
     if values is None:
         return None
-    check_keys(findings, where, values, GROUP_KEYS, dict.fromkeys(GROUP_KEYS, ""))
+    check_keys(findings, where, values, GROUP_KEYS, dict.fromkeys(required, ""))
     kind = count = pairs = None
     if "kind" in values:
         kind = fields.one_of(findings, (*where, "kind"), values["kind"], KINDS, "cable or strut")
@@ -71,9 +80,14 @@ def _group(
         if key in values
     ]
     good = [column for column in columns if column is not None]
-    if kind is None or pairs is None or len(good) < 2:
+    if kind is None or pairs is None or len(good) < len(required) - 2:
         return None
-    return Group(str(where[-1]), kind, pairs, *good)
+    return Group(str(where[-1]), kind, pairs, *_completed(good))
+
+
+def _completed(columns: list[np.ndarray]) -> list[np.ndarray]:
+    """Return EA and rest lengths, in a geometry NaN."""
+    return columns if len(columns) == 2 else [*columns, np.full_like(columns[0], np.nan)]
 
 
 def _column(
@@ -121,12 +135,15 @@ def groups_of_table(table: "Table", nodes: Nodes | None, law: str | None) -> lis
         ends[i::2] = table.column(side).values
     cells = CellColumn(table.findings, ends, lambda k: (k // 2, sides[k % 2]), cells=True)
     pairs = _joined(cells, nodes)
-    columns = [table.column(key).numbers(rule) for key, rule in rules(law).items()]
+    numeric = {key: rule for key, rule in rules(law).items() if key in table.header}
+    columns = [table.column(key).numbers(rule) for key, rule in numeric.items()]
     groups, kinds = table.column("group"), table.column("kind")
     groups.names()
     _check_kinds(groups.values, kinds)
-    good = [column for column in (pairs, *columns) if column is not None]
-    return _split(groups.values, kinds.values, *good) if len(good) == 3 and table.findings.none else None
+    good = [column for column in columns if column is not None]
+    if pairs is None or len(good) < len(numeric) or not table.findings.none:
+        return None
+    return _split(groups.values, kinds.values, pairs, *_completed(good))
 
 
 def _check_kinds(groups: Sequence[str], kinds: CellColumn) -> None:

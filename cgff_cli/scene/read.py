@@ -3,7 +3,7 @@
 import gc
 import os
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cgff_cli.errors import CgffError, Problem, SceneError
-from cgff_cli.scene.findings import NOWHERE, Findings, Where, quoted
+from cgff_cli.scene.findings import NOWHERE, Findings, Placing, Where, quoted
 from cgff_cli.scene.located import DEPTH, Document, mark_of
+from cgff_cli.scene.results import ResultValues, is_result
 from cgff_cli.scene.scene import Scene
 from cgff_cli.scene.schema import is_table, read_scene
 from cgff_cli.scene.text import decoded, read_text, reason
@@ -27,21 +28,22 @@ PAPER = ("x-module", "hexagon", "prism")
 """The paper's structures, in the order of its Tables II, III and IV."""
 
 
-def load(path: str | os.PathLike[str]) -> Scene:
+def load(path: str | os.PathLike[str], *, results: bool = False) -> Scene:
     """Read a scene file, YAML or JSON; `-` reads standard input.
 
     Raises SceneError with every problem found. A file named .json must be JSON. CSV tables are
-    looked for beside the scene file.
+    looked for beside the scene file. results: the JSON of a result is taken too, as the scene it is of, with
+    the coordinates that were found.
     """
     shown = os.fspath(path)
     try:
         if shown == "-":
-            return loads(decoded(sys.stdin.buffer.read(), STDIN), STDIN)
+            return loads(decoded(sys.stdin.buffer.read(), STDIN), STDIN, results=results)
         text = read_text(shown)
     except (OSError, ValueError) as error:
         name = STDIN if shown == "-" else shown
         raise SceneError([Problem(name, *NOWHERE, f"cannot read the scene: {reason(error)}")]) from None
-    scene = loads(text, shown, os.path.dirname(shown))
+    scene = loads(text, shown, os.path.dirname(shown), results=results)
     return replace(scene, files=(shown, *scene.files))
 
 
@@ -77,27 +79,41 @@ def _collection_paused() -> Iterator[None]:
             gc.enable()
 
 
-def loads(text: str, path: str = "<text>", base: str | os.PathLike[str] | None = None) -> Scene:
-    """Read a scene from text. `path` names it in messages; CSV tables are relative to `base`.
+def loads(
+    text: str, path: str = "<text>", base: str | os.PathLike[str] | None = None, *, results: bool = False
+) -> Scene:
+    """Read a scene from text. `path` names it in messages; CSV tables are relative to `base`; see `load`.
 
     Raises SceneError with every problem found; `base` is the current directory unless given.
     """
     text = text.removeprefix("\ufeff")
     directory = os.fspath(base) if base is not None else ""
     with _collection_paused():
-        return _read(text, path, directory)
+        return _read(text, path, directory, results)
 
 
-def _read(text: str, path: str, base: str) -> Scene:
+def _read(text: str, path: str, base: str, results: bool) -> Scene:
     """Return the scene of a text; it is read again where what was found wrong is then seen more sharply."""
     document = _json(text, path) or Document(yaml_events(text))
     while True:
-        findings = Findings(document.faults)
-        scene = read_scene(findings, document.value, path, base) if document.whole else None
+        findings, value, moved = Findings(document.faults), document.value, _unmoved
+        if results and is_result(value):
+            found = ResultValues(value)
+            value, moved = found.value, found.where
+        scene = read_scene(findings, value, path, base) if document.whole else None
         if scene is not None and findings.none:
-            return scene
-        if not document.sharpened(findings.wheres):
-            raise SceneError(findings.problems(path, document.place))
+            return replace(scene, elements_at=document.place(("elements",), True))
+        if not document.sharpened(map(moved, findings.wheres)):
+            raise SceneError(findings.problems(path, _placing(document.place, moved)))
+
+
+def _placing(place: Placing, moved: Callable[[Where], Where]) -> Placing:
+    """Return what finds values whose place in the text is another than in the scene."""
+    return lambda where, at_key: place(moved(where), at_key)
+
+
+def _unmoved(where: Where) -> Where:
+    return where
 
 
 def from_dict(mapping: Mapping[str, Any]) -> Scene:

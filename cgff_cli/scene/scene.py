@@ -1,7 +1,7 @@
 """What a scene is: plain columns, names once, node rows everywhere else."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -17,7 +17,7 @@ class Group:
 
     pairs       : (m, 2) int array, rows into Scene.node_names: begin, end
     EA          : (m,) array, force under law `hooke`, force per length under law `paper`
-    rest_length : (m,) array, the scene's length unit
+    rest_length : (m,) array, the scene's length unit; NaN in a geometry
     """
 
     name: str
@@ -36,6 +36,7 @@ class Scene:
     loads       : node row -> (d,) nodal force
     solver      : solve options asked for in the file
     files       : paths it was read from, its tables among them
+    elements_at : line and column of the key `elements`, 0 where it has none
     """
 
     name: str
@@ -49,6 +50,7 @@ class Scene:
     path: str = "<python>"
     warnings: tuple[str, ...] = ()
     files: tuple[str, ...] = ()
+    elements_at: tuple[int, int] = (0, 0)
 
     @property
     def dimension(self) -> int:
@@ -74,3 +76,14 @@ class Scene:
     def element_count(self) -> int:
         """How many elements all groups hold."""
         return sum(len(group.EA) for group in self.groups)
+
+    @property
+    def is_geometry(self) -> bool:
+        """Whether no group has rest lengths: a shape that `prestress` is to hold."""
+        return any(bool(np.isnan(group.rest_length).any()) for group in self.groups)
+
+    def with_rest_lengths(self, rest_lengths: np.ndarray) -> "Scene":
+        """Return the same scene with other rest lengths, (b,) in the scene's element order."""
+        ends = np.cumsum([len(group.EA) for group in self.groups])[:-1]
+        own = zip(self.groups, np.split(np.asarray(rest_lengths, dtype=float), ends), strict=True)
+        return replace(self, groups=tuple(replace(group, rest_length=values) for group, values in own))

@@ -21,7 +21,7 @@ HEADERS = {
 }
 """Block of a scene -> the columns of its table."""
 
-_OPTIONAL = ("z",)
+_OPTIONAL = ("z", "rest_length")
 _BLANKS = [chr(code) for code in range(128) if chr(code).isspace() and chr(code) not in "\r\n"]
 _CELL = re.compile(r'(?:[^",]++|"[^"]*+")*+,')
 

@@ -6,11 +6,13 @@ from collections.abc import Iterable, Iterator
 from itertools import repeat
 from typing import Any
 
+import numpy as np
+
 from cgff_cli.scene.scene import Group, Scene
 
 _ROWS = 8192
 NODE_HEADER = "name,x,y,z"
-ELEMENT_HEADER = "start,end,group,kind,EA,rest_length\n"
+ELEMENT_HEADER = "start,end,group,kind,EA"
 
 
 def node_table(scene: Scene) -> Iterator[str]:
@@ -23,7 +25,7 @@ def node_table(scene: Scene) -> Iterator[str]:
 
 def element_table(scene: Scene) -> Iterator[str]:
     """Yield a row per element, in the scene's element order."""
-    yield ELEMENT_HEADER
+    yield ELEMENT_HEADER + ("\n" if scene.is_geometry else ",rest_length\n")
     for group in scene.groups:
         for own in _slices(len(group.EA)):
             yield _lines(_rows(group, scene.node_names, own))
@@ -31,7 +33,8 @@ def element_table(scene: Scene) -> Iterator[str]:
 
 def _rows(group: Group, names: tuple[str, ...], own: slice) -> Iterator[tuple[Any, ...]]:
     ends = ([names[row] for row in rows] for rows in group.pairs[own].T.tolist())
-    numbers = (values[own].tolist() for values in (group.EA, group.rest_length))
+    columns = (group.EA,) if np.isnan(group.rest_length[0]) else (group.EA, group.rest_length)
+    numbers = (values[own].tolist() for values in columns)
     return zip(*ends, repeat(group.name), repeat(group.kind), *numbers, strict=False)
 
 

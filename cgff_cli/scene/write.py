@@ -53,12 +53,14 @@ def _group_lines(group: Group, names: list[str]) -> list[str]:
         f"  {_word(group.name)}:",
         f"    kind: {group.kind}",
         *_column("EA", group.EA),
-        *_column("rest_length", group.rest_length),
+        *_column("rest_length", group.rest_length[~np.isnan(group.rest_length)]),
         *_wrapped("pairs", pairs),
     ]
 
 
 def _column(key: str, numbers: np.ndarray) -> list[str]:
+    if not len(numbers):
+        return []
     if np.all(numbers == numbers[0]):
         return [f"    {key}: {float(numbers[0])!r}"]
     return _wrapped(key, [repr(number) for number in numbers.tolist()])

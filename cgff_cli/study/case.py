@@ -15,6 +15,7 @@ from cgff_cli.scene.read import from_dict, load, shipped
 from cgff_cli.scene.scene import Scene
 from cgff_cli.scene.schema import SCENE_KEYS, read_scene
 from cgff_cli.solvers.stopping import Verdict
+from cgff_cli.structure import refuse_geometry
 from cgff_cli.study.changes import CHANGES, chain, changed
 
 SOURCES = {
@@ -73,6 +74,7 @@ def built(case: Case) -> Scene:
     """
     try:
         scene = _from_source(case)
+        refuse_geometry(scene)
         for name in case.scene:
             if name in CHANGES:
                 scene = changed(scene, name, meant(case.scene[name]))

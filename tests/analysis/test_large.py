@@ -15,6 +15,8 @@ from cgff_cli.options import SolveOptions
 from cgff_cli.solvers.cgff import form_find
 from cgff_cli.structure import from_scene
 
+ASKED = {"modes", "critical_load_factor"}
+
 SCENES = [
     ("tower", {"stages": 20, "noise": 0.03}),
     ("drum", {"struts": 6, "stages": 5}),
@@ -60,6 +62,9 @@ def test_sparse_and_dense_agree(kind, monkeypatch):
         unit = found.mechanics.frame.stiffness
         softest = pytest.approx(dense.pop("smallest_stiffness"), rel=1e-5, abs=1e-9 * unit)
         assert sparse.pop("smallest_stiffness") == softest, family
+        for own in (dense, sparse):
+            del own["tangent_eigenvalues"]  # of large ones the least alone, unless more are asked for
+        assert (sparse.pop("rank_gap") or 1e9) >= 1e3 <= (dense.pop("rank_gap") or 1e9), family
         assert sparse == dense, family
 
 
@@ -69,13 +74,13 @@ def test_ranks_of_a_long_tower_are_counted(stages):
     counted = [found[name] for name in ("self_stress_states", "mechanisms", "rigid_motions", "nullity_U")]
     assert counted == [3 * stages, 0, 6, 3 * stages]
     assert found["nullity_D"] == stages + 3
-    assert (found["stability"], found["super_stable"], found["reason"]) == ("stable", False, {})
+    assert (found["stability"], found["super_stable"], set(found["reason"])) == ("stable", False, ASKED)
 
 
 def test_a_net_of_1500_directions_is_judged_in_full():
     found = cgff_cli.solve(cgff_cli.new("net", side=24)).analysis
     assert (found["self_stress_states"], found["mechanisms"]) == (1, 1452 - 1012 + 1)
-    assert (found["super_stable"], found["reason"]) == (True, {})
+    assert (found["super_stable"], set(found["reason"])) == (True, ASKED)
 
 
 def test_the_same_large_scene_has_the_same_softest_stiffness_to_the_bit():

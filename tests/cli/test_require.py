@@ -92,7 +92,7 @@ def test_what_a_large_scene_does_without_is_computed_because_it_is_required(
     monkeypatch.setattr(requirements, "MOST_DIRECTIONS", 100)
     code, (told,) = required(run, "net.yaml", "super-stable")
     assert code == 5
-    assert told.endswith("not computed: more than 200 free directions; ask with --analysis always")
+    assert told.endswith("not computed: more than 3000 free directions; ask with --analysis always")
 
 
 def test_not_converged_outweighs_what_is_not_met(run: Run):

@@ -1,0 +1,122 @@
+"""Which of many states: the one whose least member is the greatest, and of these the one of least norm."""
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from cgff_cli.analysis.interior import Solver, least
+from cgff_cli.analysis.nulls import shifted_factor
+from cgff_cli.analysis.self_stress import SelfStress
+from cgff_cli.mechanics.norms import norm
+
+LIGHT = 1e-5
+"""Weight of the norm beside the least member: small enough to decide between equals alone
+(tests/studies/prestress.py)."""
+
+
+PIVOT = 1e-13
+"""Shift, beside a diagonal of 1, that lets equations that depend on each other have a factor."""
+
+
+def balanced(balance: SelfStress, signs: np.ndarray, most: np.ndarray) -> np.ndarray:
+    """Return the x, A x = F, that makes its least member as great as can be; of many, that of least norm.
+
+    The value v that members of a class share (x over its size) is what is compared: maximise s subject to
+    signs v >= s and signs v <= most; then the sum of v^2 over members decides. The answer hangs on no order
+    of nodes and elements, and has whatever symmetry the structure has. signs: (m,) 1 or -1; most: (m,),
+    infinity for no bound.
+    """
+    first = balance.nearest(np.zeros(len(signs)), balance.F)
+    top = float(most[np.isfinite(most)].max())
+    unit = balance.size * top  # x = unit v
+    if balance.is_dense:
+        N, offset = balance.basis / unit[:, None], first / unit
+        return first + balance.basis @ _dense(N, offset, signs, most / top, balance.count)
+    v = _sparse(balance, unit, signs, most / top)
+    return balance.nearest(v * unit, balance.F)
+
+
+def least_limit(balance: SelfStress, signs: np.ndarray, most: np.ndarray) -> float | None:
+    """Return the least c with which signs v >= 0 and signs v <= c most bear the loads; None: no c does."""
+    from scipy.optimize import linprog
+    from scipy.sparse import block_array, csc_array, diags_array
+
+    bounded, scale = np.isfinite(most), float(most[np.isfinite(most)].max())
+    own = diags_array(signs).tocsr()[bounded]
+    upper = block_array([[own, csc_array(-most[bounded, None] / scale)]], format="csr")
+    size = norm(balance.F)
+    columns = csc_array(balance.A) @ diags_array(balance.size)
+    equal = block_array([[columns, csc_array((len(balance.F), 1))]], format="csc")
+    bounds = [(0.0, None) if sign > 0.0 else (None, 0.0) for sign in signs] + [(0.0, None)]
+    cost = np.append(np.zeros(len(signs)), 1.0)
+    solve: Any = linprog  # whose types know no sparse matrix
+    found = solve(cost, upper, np.zeros(len(most[bounded])), equal, balance.F / size, bounds, method="highs")
+    return None if found.x is None else float(found.fun) * size / scale
+
+
+def _dense(
+    N: np.ndarray, offset: np.ndarray, signs: np.ndarray, most: np.ndarray, count: np.ndarray
+) -> np.ndarray:
+    """Return the z of v = offset + N z that is best, (k,)."""
+    k, light = N.shape[1], LIGHT / count.sum()
+    scale = np.linalg.norm(N, axis=0)
+    N = N / scale
+    W, w, bounded = signs[:, None] * N, signs * offset, np.isfinite(most)
+    Q = np.zeros((k + 1, k + 1))
+    Q[:k, :k] = light * (N.T * count) @ N
+    g = np.append(light * N.T @ (count * offset), -1.0)
+    above = np.concatenate((W, np.full((len(W), 1), -1.0)), axis=1)
+    below = np.concatenate((-W[bounded], np.zeros((int(bounded.sum()), 1))), axis=1)
+    h = np.concatenate((-w, (w - most)[bounded]))
+    return least(Q, g, np.concatenate((above, below)), h)[:k] / scale
+
+
+def _sparse(balance: SelfStress, unit: np.ndarray, signs: np.ndarray, most: np.ndarray) -> np.ndarray:
+    """Return the best v of a sparse A, (m,)."""
+    from scipy.sparse import block_array, csc_array, diags_array
+
+    m, bounded = len(signs), np.isfinite(most)
+    own = diags_array(signs).tocsr()
+    G = block_array([[own, csc_array(np.full((m, 1), -1.0))], [-own[bounded], None]], format="csr")
+    h = np.concatenate((np.zeros(m), -most[bounded]))
+    Q = diags_array(np.append(LIGHT / balance.count.sum() * balance.count, 0.0)).tocsc()
+    columns = balance.A @ diags_array(unit)
+    F = balance.F / float(np.abs(columns.data).max())
+    columns = (columns / float(np.abs(columns.data).max())).tocsc()
+    A = block_array([[columns, csc_array((len(balance.F), 1))]], format="csc")
+    factor = partial(_bordered, columns, Q.diagonal()[:m], signs, bounded)
+    return least(Q, np.append(np.zeros(m), -1.0), G, h, A, F, factor)[:m]
+
+
+def _bordered(A: Any, own: np.ndarray, signs: np.ndarray, bounded: np.ndarray, weights: np.ndarray) -> Solver:
+    """Return what solves [[H, A^T], [A, 0]] for unknowns v and s: H is diagonal but for the column of s.
+
+    v is eliminated, s kept apart; A H^-1 A^T is scaled to a diagonal of 1.
+    """
+    from scipy.sparse import diags_array
+
+    m, low = len(signs), weights[: len(signs)]
+    high = np.zeros(m)
+    high[bounded] = weights[m:]
+    H, column = own + low + high, -signs * low
+    S = A @ diags_array(1.0 / H) @ A.T
+    diagonal = S.diagonal()
+    scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+    lu = shifted_factor(diags_array(scale) @ S @ diags_array(scale), PIVOT)
+
+    def inner(right: np.ndarray, below: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return v and y of [[H, A^T], [A, 0]] [v, y] = [right, below]."""
+        y = scale * lu.solve(scale * (A @ (right / H) - below))
+        return (right - A.T @ y) / H, y
+
+    along, y_along = inner(column, np.zeros(A.shape[0]))
+    rest = float((low * (own + high) / H).sum()) + float((A.T @ y_along) @ (column / H))
+
+    def solve(right: np.ndarray) -> np.ndarray:
+        """Return v, s and y."""
+        v, y = inner(right[:m], right[m + 1 :])
+        s = (right[m] - column @ v) / rest
+        return np.concatenate((v - s * along, [s], y - s * y_along))
+
+    return solve

@@ -1,0 +1,207 @@
+"""The inverse problem: coordinates in, a self-stress of the right signs and rest lengths out."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from cgff_cli.analysis.balanced import balanced, least_limit
+from cgff_cli.analysis.blame import blamed
+from cgff_cli.analysis.near_shape import near_shape
+from cgff_cli.analysis.nulls import DENSE
+from cgff_cli.analysis.ranks import LEAST_TOLERANCE
+from cgff_cli.analysis.self_stress import SelfStress
+from cgff_cli.errors import OptionError
+from cgff_cli.mechanics.norms import largest
+from cgff_cli.mechanics.state import Mechanics
+from cgff_cli.structure import Structure
+
+STRAIN = 0.01
+"""Greatest strain of a cable, where no force is asked for."""
+
+SIGNED = 1e-9
+"""Share of the greatest force density, or force where that is shared, below which a sign is rounding."""
+
+IN_BALANCE = 3e-11
+"""What may be left of forces out of balance, relative to all forces."""
+
+
+@dataclass(frozen=True, eq=False)
+class Question:
+    """What is asked of a shape with b elements.
+
+    EA        : (b,)              law   : "paper" or "hooke"
+    classes   : (b,) int, members of one class share a force density, or a force; None: each has its own
+    members   : (b,) bool, those whose greatest force is to be `force`, instead of STRAIN; None: of none
+    tolerance : singular values up to it count as zero; above LEAST_TOLERANCE the shape may give way
+    """
+
+    structure: Structure
+    EA: np.ndarray
+    law: str
+    classes: np.ndarray | None = None
+    equal_force: bool = False
+    members: np.ndarray | None = None
+    force: float = 0.0
+    tolerance: float = LEAST_TOLERANCE
+
+    @property
+    def limits(self) -> np.ndarray:
+        """(b,) the size of force at which an element is as strained, or forced, as asked; else infinity."""
+        s = self.structure
+        if self.members is not None:
+            return np.where(self.members, self.force, np.inf)
+        cables = s.tension_only
+        strain = np.where(cables, STRAIN, -STRAIN)
+        stretched = self.EA * (s.rest_lengths / (1.0 + strain) if self.law == "paper" else 1.0)
+        return np.where(cables | (not cables.any()), STRAIN * stretched, np.inf)
+
+    def rest_lengths(self, l: np.ndarray, t: np.ndarray) -> np.ndarray:
+        """Return (b,) l0 at which lengths l give forces t; NaN where none does, or none above 0.
+
+        l0 = l - t / EA (paper, eq. (2)) or EA l / (EA + t) (hooke).
+        """
+        if self.law == "paper":
+            l0 = l - t / self.EA
+        else:
+            l0 = self.EA * l / np.where(self.EA + t > 0.0, self.EA + t, np.nan)
+        return np.where(l0 > 0.0, l0, np.nan)
+
+
+@dataclass(eq=False)
+class Answer:
+    """What came of a question; arrays are (b,), in the user's units.
+
+    why           : "" where feasible, else one of WHY
+    states, group_states, mechanisms : counts, None where not told; group_states of shared values
+    gap, softest  : least singular value kept over the greatest left out; the least of all
+    never, idle   : bool      motion : (n, d), what proves who is to blame, or None
+    forces, force_densities, rest_lengths      coordinates : (n, d) the shape that they hold
+    strain_needed : cable strain that the loads alone need, where that is above STRAIN
+    force_reached : greatest force that could be, where another was asked for
+    left_over     : what is left of the forces of the best state, relative to all
+    """
+
+    structure: Structure
+    why: str = ""
+    states: int | None = None
+    group_states: int | None = None
+    mechanisms: int | None = None
+    gap: float | None = None
+    softest: float | None = None
+    never: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))
+    idle: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))
+    motion: np.ndarray | None = None
+    forces: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    force_densities: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    rest_lengths: np.ndarray | None = None
+    coordinates: np.ndarray | None = None
+    strain_needed: float | None = None
+    force_reached: float | None = None
+    left_over: float = 0.0
+
+
+WHY = ("no_state", "no_group_state", "signs", "loads", "rest_length", "force", "inexact", "undecided")
+"""Reasons against: no self-stress, none of shared values, none of the right signs, none that bears the loads;
+no rest length above 0; no such force under the loads; none but to the tolerance; rounding decides."""
+
+
+def prestressed(question: Question) -> Answer:
+    """Return forces and rest lengths that hold a shape, or why there are none.
+
+    The structure's rest lengths are its lengths. Raises OptionError where a tolerance is asked of a
+    structure too large for it.
+    """
+    structure, tolerance = question.structure, question.tolerance
+    mechanics = Mechanics(structure)
+    state = mechanics.at(mechanics.start)
+    answer = Answer(structure)
+    whole = balance = SelfStress(state, None, False, tolerance)
+    answer.states = whole.states
+    if whole.rank is not None:
+        answer.mechanisms = whole.A.shape[0] - state.rigid.basis.shape[1] - whole.rank
+    if question.classes is not None:
+        balance = SelfStress(state, question.classes, question.equal_force, tolerance)
+        answer.group_states = balance.states
+    if tolerance > LEAST_TOLERANCE and not whole.is_dense:
+        raise OptionError(f"tolerance needs a structure of at most {DENSE} elements or free directions")
+    answer.gap, answer.softest = balance.gap, balance.softest
+    signs = np.zeros(len(balance.size))
+    signs[balance.classes] = np.where(structure.tension_only, 1.0, -1.0)
+    x = _best(question, answer, balance, signs) if balance.states != 0 or mechanics.F is not None else None
+    if x is not None and tolerance > LEAST_TOLERANCE:
+        balance, x = near_shape(balance, x)
+        answer.left_over = balance.left_over(x)
+    if x is not None and _is_signed(balance, x, signs) and answer.left_over <= IN_BALANCE:
+        _realise(question, answer, balance, x)
+    elif x is not None and _is_signed(balance, x, signs):
+        answer.why = "inexact"
+    elif not answer.why:
+        _blame(answer, balance, signs)
+    return answer
+
+
+def _best(question: Question, answer: Answer, balance: SelfStress, signs: np.ndarray) -> np.ndarray | None:
+    """Return the best x, of whatever signs; None where no x bears the loads."""
+    most = np.ones(len(signs))
+    if balance.is_loaded:
+        limits = question.limits / (balance.share * balance.state.mechanics.frame.force)
+        most = np.full(len(signs), np.inf)
+        np.minimum.at(most, balance.classes, limits)
+        need = least_limit(balance, signs, most)
+        if need is None:
+            return None
+        if need > 1.0 and question.members is not None:
+            answer.why, answer.force_reached = "force", need * question.force
+            return None
+        if need > 1.0:
+            answer.strain_needed = STRAIN * need
+            most = most * (2.0 * need)
+    x = balanced(balance, signs, most)
+    answer.left_over = balance.left_over(x) if question.tolerance <= LEAST_TOLERANCE else 0.0
+    return x
+
+
+def _is_signed(balance: SelfStress, x: np.ndarray, signs: np.ndarray) -> bool:
+    values = x / balance.size
+    return float((signs * values).min()) > SIGNED * largest(values)
+
+
+def _realise(question: Question, answer: Answer, balance: SelfStress, x: np.ndarray) -> None:
+    """Set the forces of x, to the level asked for, and what follows from them."""
+    state, tolerant = balance.state, question.tolerance > LEAST_TOLERANCE
+    frame = state.mechanics.frame
+    if tolerant:
+        X = frame.centre + state.mechanics.shape(state.X)
+        there = replace(question.structure, coordinates=X, rest_lengths=state.l * frame.length)
+        question = replace(question, structure=there)
+    s, t = question.structure, balance.forces(x) * frame.force
+    level = float((question.limits / np.abs(t)).min())
+    if not balance.is_loaded:
+        t = t * level
+    elif question.members is not None and level > 1.0 + SIGNED:
+        answer.why, answer.force_reached = "force", question.force / level
+        return
+    answer.coordinates, answer.forces, answer.force_densities = s.coordinates, t, t / s.rest_lengths
+    answer.rest_lengths = question.rest_lengths(s.rest_lengths, t)
+    if np.isnan(answer.rest_lengths).any():
+        answer.why = "rest_length"
+
+
+def _blame(answer: Answer, balance: SelfStress, signs: np.ndarray) -> None:
+    """Set who is to blame for the lack of a state of the right signs, and what proves it."""
+    found = blamed(balance, signs)
+    if found.proven and found.loads:
+        answer.why = "loads"
+    elif not found.proven:
+        answer.why = "undecided"
+    elif balance.states == 0 and not balance.is_loaded:
+        answer.why = "no_group_state" if answer.states else "no_state"
+    else:
+        answer.why = "signs"
+    if not found.proven:
+        return
+    answer.never, answer.idle = found.never[balance.classes], balance.idle()[balance.classes]
+    free = answer.structure.free
+    motion = np.zeros(free.T.size)
+    motion[free.T.reshape(-1)] = found.motion
+    answer.motion = motion.reshape(free.T.shape).T

@@ -1,0 +1,147 @@
+"""States of self-stress: the forces that balance at every free direction, from coordinates alone.
+
+U t = F, eq. (3), with the columns of U unit vectors and t the forces. Members may share one value, a force
+density or a force: they are one column then, again of length 1, so that singular values compare with 1
+whoever shares. What an element carries is `forces` of an x.
+"""
+
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from cgff_cli.analysis.nulls import DENSE, SQUARED, rank, shifted_factor
+from cgff_cli.analysis.ranks import unit_equilibrium_matrix
+from cgff_cli.mechanics.elements import EPS
+from cgff_cli.mechanics.norms import norm
+from cgff_cli.mechanics.state import State
+
+MOST_ENTRIES = 10_000_000
+"""Entries up to which a matrix is decomposed whole: seconds (tests/studies/prestress.py)."""
+
+REFINEMENTS = 6
+"""Steps that bring what a sparse A leaves over down to rounding, but for motions softer than the shift."""
+
+
+class SelfStress:
+    """A x = F over the free directions of a shape; tolerance: singular values up to it are states.
+
+    classes : (b,) int, members of one class share a value      share : (b,) what they carry of one unit
+    size    : (m,) length of each class's column for one unit   F     : (f,) loads, in the frame's units
+    A       : (f, m) dense where that is small, else sparse columns
+    """
+
+    def __init__(self, state: State, classes: np.ndarray | None, equal_force: bool, tolerance: float):
+        m, self.state, self.tolerance, self.equal_force = state.mechanics, state, tolerance, equal_force
+        b = len(state.l)
+        self.classes = np.arange(b) if classes is None else classes
+        self.count = np.bincount(self.classes).astype(float)
+        self.share = np.ones(b) if equal_force else state.l
+        self.size = np.sqrt(np.bincount(self.classes, self.share**2))
+        free = m.structure.free.T.reshape(-1)
+        U = unit_equilibrium_matrix(state)[free]
+        self.F = (m.structure.loads.T.reshape(-1) * (1.0 / m.frame.force))[free]
+        self.A = self._gathered(U)
+        if not isinstance(self.A, np.ndarray) and min(self.A.shape) <= DENSE:
+            self.A = self.A.toarray() if self.A.shape[0] * self.A.shape[1] <= MOST_ENTRIES else self.A
+
+    def _gathered(self, U: Any) -> Any:
+        """Return the columns of U, those of a class as one."""
+        if len(self.count) == len(self.classes):
+            return U
+        weights = self.share / self.size[self.classes]
+        if isinstance(U, np.ndarray):
+            S = np.zeros((len(weights), len(self.count)))
+            S[np.arange(len(S)), self.classes] = weights
+            return U @ S
+        from scipy.sparse import csc_array
+
+        return (U @ csc_array((weights, (np.arange(len(weights)), self.classes)))).tocsc()
+
+    @property
+    def is_loaded(self) -> bool:
+        """Whether there are loads in free directions."""
+        return self.state.mechanics.F is not None
+
+    @property
+    def is_dense(self) -> bool:
+        """Whether all of A is decomposed."""
+        return isinstance(self.A, np.ndarray)
+
+    @cached_property
+    def parts(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """A = left diag(values) right, right (m, m): its last rows span what A takes to zero."""
+        f, m = self.A.shape
+        square = np.concatenate((self.A, np.zeros((max(m - f, 0), m))))
+        left, values, right = np.linalg.svd(square, full_matrices=False)
+        return left[:f], values, right
+
+    @cached_property
+    def rank(self) -> int | None:
+        """How many singular values are no states; None where too many are too soft to tell."""
+        return (
+            int((self.parts[1] > self.tolerance).sum())
+            if self.is_dense
+            else rank(self.A, self.tolerance).number
+        )
+
+    @property
+    def states(self) -> int | None:
+        """How many independent states there are: columns less rank."""
+        return None if self.rank is None else len(self.size) - self.rank
+
+    @property
+    def gap(self) -> float | None:
+        """Least singular value kept over the greatest left out; None where either is lacking."""
+        kept = self.rank
+        if not self.is_dense or kept is None or not 0 < kept < min(self.A.shape):
+            return None
+        least_kept, left_out = self.parts[1][kept - 1 : kept + 1]
+        return float(least_kept / left_out) if left_out > 0.0 else None
+
+    @property
+    def softest(self) -> float | None:
+        """The least singular value, where that is computed and there are no fewer rows than columns."""
+        return float(self.parts[1][-1]) if self.is_dense and self.A.shape[0] >= self.A.shape[1] else None
+
+    @property
+    def basis(self) -> np.ndarray:
+        """(m, k) orthonormal states of a dense A."""
+        return self.parts[2][self.rank :].T
+
+    def nearest(self, x: np.ndarray, F: np.ndarray | float) -> np.ndarray:
+        """Return the nearest x with A x = F, or as near to it as can be."""
+        if self.is_dense:
+            left, values, right = (own[: self.rank] for own in (self.parts[0].T, *self.parts[1:]))
+            return x - right.T @ ((left @ (self.A @ x - F)) / values)
+        for _ in range(REFINEMENTS):
+            x = x - self.A.T @ self._normal.solve(self.A @ x - F)
+        return x
+
+    @cached_property
+    def _normal(self) -> Any:
+        return shifted_factor(self.A @ self.A.T, SQUARED)
+
+    def moved(self, state: State, x: np.ndarray) -> "tuple[SelfStress, np.ndarray]":
+        """Return the balance at another shape, and the x there that has the same values."""
+        there = SelfStress(state, self.classes, self.equal_force, self.tolerance)
+        return there, x / self.size * there.size
+
+    def idle(self) -> np.ndarray:
+        """Return (m,) bool: what carries nothing in any state, whatever its sign."""
+        if self.is_dense:
+            return np.linalg.norm(self.basis, axis=1) <= IDLE
+        generic = np.cos(np.arange(len(self.size)) ** 2.0)  # no state is orthogonal to it by design
+        return np.abs(self.nearest(generic, 0.0)) <= IDLE
+
+    def forces(self, x: np.ndarray) -> np.ndarray:
+        """Return (b,) element forces, in the frame's units."""
+        return self.share * (x / self.size)[self.classes]
+
+    def left_over(self, x: np.ndarray) -> float:
+        """Return how far A x is from F, relative to x and F."""
+        return norm(self.A @ x - self.F) / max(norm(x), norm(self.F), EPS)
+
+
+IDLE = 1e-9
+"""Share of a unit state below which an element carries rounding alone."""

@@ -1,0 +1,128 @@
+"""Why a shape cannot be prestressed, in words that help."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from cgff_cli.analysis.equilibrium import labels
+from cgff_cli.analysis.prestress import Answer
+from cgff_cli.analysis.ranks import LEAST_TOLERANCE
+from cgff_cli.scene.findings import first_few, quoted
+from cgff_cli.scene.scene import Scene
+
+ROUNDED = 1e-2
+"""Least singular value below which coordinates may have been rounded, or measured."""
+
+
+def refusal(scene: Scene, answer: Answer, asked: Mapping[str, Any]) -> str:
+    """Return the sentence for what an answer lacks; asked: the options of `prestress`."""
+    said = {
+        "no_state": _no_state(answer, asked),
+        "no_group_state": _no_group_state(answer, asked),
+        "signs": _signs(scene, answer),
+        "loads": _loads(scene, answer),
+        "rest_length": _rest_length(scene, answer),
+        "force": _force(answer, asked),
+        "inexact": _inexact(answer, asked),
+        "undecided": "rounding decides: neither a self-stress of the right signs was found nor a proof that "
+        "there is none; scale or shape may be too extreme for double precision",
+    }
+    return said[answer.why]
+
+
+def _count(number: int | None, noun: str) -> str:
+    return f"{number or 'no'} {noun}{'' if number == 1 else 's'}"
+
+
+def _no_state(answer: Answer, asked: Mapping[str, Any]) -> str:
+    more = (answer.mechanisms or 0) + 1
+    return (
+        f"no self-stress: {_count(answer.mechanisms, 'mechanism')} and no state; a structure in general "
+        f"position needs {_count(more, 'more member')} for one{_rounded(answer)}"
+    )
+
+
+def _rounded(answer: Answer) -> str:
+    """Return what may help where coordinates were rounded."""
+    if answer.softest is None or not LEAST_TOLERANCE < answer.softest <= ROUNDED:
+        return ""
+    enough = float(f"{2.0 * answer.softest:.1e}")
+    return (
+        f"; the least singular value is {answer.softest:.2g}: if the coordinates were rounded or measured, "
+        f"a tolerance of {enough:g} takes it for a state and moves them to where it is one"
+    )
+
+
+def _shared(asked: Mapping[str, Any]) -> str:
+    return f"one {asked['equal']} per {'group' if asked['by_group'] else 'class of symmetry'}"
+
+
+def _no_group_state(answer: Answer, asked: Mapping[str, Any]) -> str:
+    states = _count(answer.states, "state")
+    return f"no self-stress has {_shared(asked)}; without that there is {states}{_rounded(answer)}"
+
+
+def _signs(scene: Scene, answer: Answer) -> str:
+    never, idle = np.flatnonzero(answer.never), np.flatnonzero(answer.idle)
+    wrong = np.setdiff1d(never, idle)
+    own = f" ({first_few(labels(scene, wrong))})" if len(wrong) else ""
+    told = [f"{len(wrong)} can carry force, but never of their sign{own}"] if len(wrong) else []
+    told += [f"{len(idle)} carry none in any state ({first_few(labels(scene, idle))})"] if len(idle) else []
+    what = (
+        "no forces of the right signs bear the loads" if scene.loads else "no self-stress has the right signs"
+    )
+    return f"{what} in all {len(answer.never)} elements: {'; '.join(told)}; {_in_groups(scene, never)}"
+
+
+def _in_groups(scene: Scene, rows: np.ndarray) -> str:
+    owners = np.repeat(np.arange(len(scene.groups)), [len(group.EA) for group in scene.groups])
+    counts = np.bincount(owners[rows], minlength=len(scene.groups))
+    parts = [
+        f"{counts[i]} of {len(group.EA)} in {quoted(group.name)}"
+        for i, group in enumerate(scene.groups)
+        if counts[i]
+    ]
+    return f"by group: {', '.join(parts)}"
+
+
+def _loads(scene: Scene, answer: Answer) -> str:
+    moved = np.zeros(0) if answer.motion is None else np.linalg.norm(answer.motion, axis=1)
+    most = [scene.node_names[row] for row in np.argsort(-moved.round(9), kind="stable")[:3].tolist()]
+    return (
+        "no forces of the right signs bear the loads: there is a motion along which they do work, and no "
+        f"cable is lengthened nor strut shortened; it moves {first_few(most)} the most"
+    )
+
+
+def _rest_length(scene: Scene, answer: Answer) -> str:
+    if answer.rest_lengths is None:
+        return ""
+    rows = np.flatnonzero(np.isnan(answer.rest_lengths))
+    EA = np.concatenate([group.EA for group in scene.groups])
+    named = quoted(labels(scene, rows[:1])[0]) if len(rows) else ""
+    first = int(rows[0]) if len(rows) else 0
+    return (
+        f"no rest length above 0 gives {named} the force {answer.forces[first]:.6g} with EA {EA[first]:g} "
+        f"({_count(len(rows), 'such element')}); lower the force, or raise EA"
+    )
+
+
+def _force(answer: Answer, asked: Mapping[str, Any]) -> str:
+    (name, value), *_ = asked["force"].items() or [("", 0.0)]
+    return (
+        f"with these loads the greatest force in {quoted(name)} is {answer.force_reached or 0.0:.6g}, "
+        f"and no self-stress makes it {abs(value):g}"
+    )
+
+
+def _inexact(answer: Answer, asked: Mapping[str, Any]) -> str:
+    if asked["tolerance"] > LEAST_TOLERANCE:
+        return (
+            f"no shape near these coordinates was found that balances: {answer.left_over:.1e} of the forces "
+            "is left over; a smaller tolerance may name other states"
+        )
+    return (
+        f"these coordinates balance a self-stress only to {answer.left_over:.1e} of its forces: they were "
+        "rounded; a tolerance of 1e-8 moves them to where it balances"
+    )
