@@ -13,7 +13,7 @@ MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
     "top": 1442,
-    "analysis": 1456,
+    "analysis": 1467,
     "cli": 1927,
     "mechanics": 930,
     "report": 1408,

@@ -10,11 +10,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from cgff_cli.analysis.ranks import LEAST_TOLERANCE
 from cgff_cli.analysis.self_stress import SelfStress
 from cgff_cli.mechanics.norms import largest, norm
 
 PROVEN = 1e-9
 """What rounding may leave of a rate that is to be zero, over the greatest rate."""
+
+
+TINIEST = 1e-11
+"""Entry of a unit column that counts as none in the linear program; the check of its answer knows all."""
 
 
 class Blame(NamedTuple):
@@ -33,16 +38,17 @@ def blamed(balance: SelfStress, signs: np.ndarray) -> Blame:
     if balance.is_loaded:
         F = -balance.F[:, None] / norm(balance.F)
         A, own = _beside(A, F), np.append(signs, 1.0)
-    rates, motion_of = _rates(A, balance.tolerance)
-    y = _widest(rates, own)
-    blame = own * (rates @ y) > 0.5
-    y = _still(rates, y, ~blame)
-    rate = own * (A.T @ motion_of(y))
+    whole, A = A, _kept(A, balance.tolerance)
+    y = _widest(A.T, own)
+    blame = own * (A.T @ y) > 0.5
+    y = _still(A, y, ~blame)
+    if A is not whole:  # what moves along with it to no effect would have one on the whole
+        y = A @ np.linalg.lstsq(A, y, rcond=PROVEN)[0]
+    rate = own * (whole.T @ y)
     size = largest(rate)
     at_rest = largest(rate[~blame]) <= PROVEN * size
     proven = bool(size > 0.0 and at_rest and rate[blame].min(initial=np.inf) > PROVEN * size)
-    motion = motion_of(y)
-    return Blame(blame[:m], bool(blame[m:].any()), motion / (largest(motion) or 1.0), proven)
+    return Blame(blame[:m], bool(blame[m:].any()), y / (largest(y) or 1.0), proven)
 
 
 def _beside(A: Any, column: np.ndarray) -> Any:
@@ -53,16 +59,12 @@ def _beside(A: Any, column: np.ndarray) -> Any:
     return hstack([A, csc_array(column)]).tocsc()
 
 
-def _rates(A: Any, tolerance: float) -> tuple[Any, Any]:
-    """Return the rates (m, g) of independent motions, and what makes motions of their amounts.
-
-    Of a dense A these are the motions that lengthen anything beyond the tolerance, and no others.
-    """
-    if not isinstance(A, np.ndarray):
-        return A.T.tocsr(), lambda y: y
+def _kept(A: Any, tolerance: float) -> Any:
+    """Return A without what counts as zero: what is left lengthens nothing by less than the tolerance."""
+    if tolerance <= LEAST_TOLERANCE:
+        return A
     left, values, right = np.linalg.svd(A, full_matrices=False)
-    kept = values > tolerance
-    return right[kept].T, lambda y: left[:, kept] @ (y / values[kept])
+    return left * np.where(values > tolerance, values, 0.0) @ right
 
 
 def _widest(rates: Any, signs: np.ndarray) -> np.ndarray:
@@ -75,6 +77,7 @@ def _widest(rates: Any, signs: np.ndarray) -> np.ndarray:
 
     m, g = rates.shape
     turned: Any = diags_array(-signs) @ csr_array(rates)
+    turned.data[np.abs(turned.data) <= TINIEST] = 0.0  # HiGHS refuses what it takes for rounding
     upper: Any = hstack([turned, eye_array(m)], format="csr")
     cost = np.concatenate((np.zeros(g), np.full(m, -1.0)))
     bounds = [(None, None)] * g + [(0.0, 1.0)] * m
@@ -83,9 +86,9 @@ def _widest(rates: Any, signs: np.ndarray) -> np.ndarray:
     return np.zeros(g) if found.x is None else found.x[:g]
 
 
-def _still(rates: Any, y: np.ndarray, at_rest: np.ndarray) -> np.ndarray:
+def _still(A: Any, y: np.ndarray, at_rest: np.ndarray) -> np.ndarray:
     """Return the motion nearest to y that lengthens nothing of what is at rest, not even by rounding."""
-    own = rates[at_rest]
+    own = A[:, at_rest].T
     if isinstance(own, np.ndarray):
         return y - np.linalg.lstsq(own, own @ y, rcond=PROVEN)[0] if len(own) else y
     from scipy.sparse.linalg import lsmr

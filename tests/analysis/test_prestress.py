@@ -152,6 +152,7 @@ def test_four_points_carry_one_state_whose_signs_only_a_convex_order_has():
     found = cgff_cli.prestress(inside)
     assert (found.feasible, found.self_stress_states, found.scene) == (False, 1, None)
     assert_proven(inside, found)
+    assert_proven(inside, cgff_cli.prestress(inside, tolerance=0.01))
 
 
 def test_six_points_off_a_conic_lack_one_member():
@@ -375,3 +376,12 @@ def test_a_large_shape_gives_what_its_stages_give():
     assert cgff_cli.solve(large.scene).counts["iterations"] == 0
     cut = replace(family("tower", stages=200), groups=family("tower", stages=200).groups[1:])
     assert_proven(cut, cgff_cli.prestress(cut))
+
+
+def test_what_a_symmetry_cancels_is_no_equation():
+    for scene in (family("tower", stages=83), family("tower", stages=760)):
+        assert cgff_cli.prestress(scene, by_symmetry=True).feasible
+        cut = replace(scene, groups=scene.groups[1:])
+        found = cgff_cli.prestress(cut, by_symmetry=True)
+        assert found.feasible is False
+        assert set(found.idle) == set(found.never)
