@@ -23,6 +23,9 @@ from cgff_cli.values import Rule
 TOLERABLE = Rule(kind=float, positive=True, below=1.0)
 FORCE = Rule(kind=float, largest=1e30)
 
+JUDGED: dict[str, Any] = {"objective": "residual", "max_iterations": 0, "analysis": "always"}
+"""Solve options that leave a scene where it is, be it unstable, and tell all of it."""
+
 _ALIKE = 1e-14  # rest lengths of a group this near, relatively, are one and its rounding
 
 
@@ -112,7 +115,7 @@ def prestress(
 def _told(source: Scene, asked: dict[str, Any], answer: Answer) -> Prestressed:
     """Return an answer with names, and the judgement of the scene that it makes."""
     scene = _held(source, answer, asked["tolerance"] > LEAST_TOLERANCE)
-    result = None if scene is None else pipeline.solve(scene, objective="residual", max_iterations=0)
+    result = None if scene is None else pipeline.solve(scene, **JUDGED)
     analysis = {} if result is None else result.analysis
     t, q = answer.forces, answer.force_densities
     moved = scene is not None and scene.coordinates is not source.coordinates
@@ -123,7 +126,7 @@ def _told(source: Scene, asked: dict[str, Any], answer: Answer) -> Prestressed:
         result=result,
         feasible=None if answer.why in ("undecided", "inexact") else not answer.why,
         reason=refusal(source, answer, asked) if answer.why else None,
-        warnings=source.warnings + _warnings(answer, analysis.get("stability")),
+        warnings=source.warnings + _warnings(answer, analysis),
         self_stress_states=answer.states,
         group_states=answer.group_states,
         mechanisms=answer.mechanisms,
@@ -174,9 +177,10 @@ def _groups(result: Result, densities: np.ndarray, forces: np.ndarray) -> dict[s
     }
 
 
-def _warnings(answer: Answer, stability: str | None) -> tuple[str, ...]:
-    """Return what deserves a second look in the level, and in the stability of what was found."""
-    said = []
+def _warnings(answer: Answer, analysis: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return what deserves a second look in the level and in the stability found, and why that is null."""
+    stability, reasons = analysis.get("stability"), analysis.get("reason") or {}
+    said = [f"{name} {reasons[name]}" for name in ("stability", "super_stable") if name in reasons]
     if answer.strain_needed is not None:
         said.append(
             f"the loads alone strain cables by {answer.strain_needed:.3g}, more than the {STRAIN:g} that "

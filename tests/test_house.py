@@ -12,8 +12,8 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 1442,
-    "analysis": 1467,
+    "top": 1446,
+    "analysis": 1479,
     "cli": 1927,
     "mechanics": 930,
     "report": 1408,

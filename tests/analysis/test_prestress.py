@@ -34,6 +34,7 @@ OF_MANY_STATES = {
     "askew octahedron": moved(solid("octahedron"), 0.2, 1),
     "cuboctahedron": solid("cuboctahedron"),
     "levy": dome(6, 2, levy=True),
+    "askew levy": moved(dome(6, 1, levy=True), 0.05, 1),
     "stack": stack(3, 3),
     "net": net(5, 0.4),
     "tower": family("tower"),
@@ -267,7 +268,15 @@ def test_groups_share_one_force_density_where_they_can():
 
 
 @pytest.mark.parametrize(
-    "scene", [swapped(prism(3)), of_one_kind(stack(3, 2), "cable"), grid(3, 0.0), prism(4, off=5.0)]
+    "scene",
+    [
+        swapped(prism(3)),
+        of_one_kind(stack(3, 2), "cable"),
+        grid(3, 0.0),
+        prism(4, off=5.0),
+        moved(dome(12, 3, levy=False), 0.05, 3),
+        moved(dome(8, 2, levy=True), 0.05, 3),
+    ],
 )
 def test_what_cannot_be_is_proven_by_a_motion(scene):
     found = cgff_cli.prestress(scene)

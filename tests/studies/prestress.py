@@ -70,7 +70,9 @@ def shapes() -> Iterator[tuple[str, Scene]]:
         yield f"wheel {n}", wheel(n)
     for levy in (False, True):
         for n, rings in ((6, 1), (8, 2), (12, 3), (20, 4)):
-            yield f"{'Levy' if levy else 'Geiger'} dome {n} x {rings}", dome(n, rings, levy)
+            name = f"{'Levy' if levy else 'Geiger'} dome {n} x {rings}"
+            yield name, dome(n, rings, levy)
+            yield f"{name}, askew", moved(dome(n, rings, levy), 0.05, 3)
     for n, stages in ((3, 2), (3, 5), (4, 3), (6, 10)):
         yield f"stack {n} x {stages}", stack(n, stages)
     for side in (4, 6, 10, 20):
