@@ -106,10 +106,8 @@ def prestress(
     for name, number in asked["force"].items():
         members, value = owners == names.index(name), abs(number)
     EA = np.concatenate([group.EA for group in scene.groups])
-    question = Question(
-        structure, EA, scene.law, classes, equal == "force", members, value, asked["tolerance"]
-    )
-    return _told(scene, asked, prestressed(question))
+    shared = (classes, equal == "force", members, value, asked["tolerance"])
+    return _told(scene, asked, prestressed(Question(structure, EA, scene.law, *shared)))
 
 
 def _told(source: Scene, asked: dict[str, Any], answer: Answer) -> Prestressed:
@@ -117,8 +115,9 @@ def _told(source: Scene, asked: dict[str, Any], answer: Answer) -> Prestressed:
     scene = _held(source, answer, asked["tolerance"] > LEAST_TOLERANCE)
     result = None if scene is None else pipeline.solve(scene, **JUDGED)
     analysis = {} if result is None else result.analysis
-    t, q = answer.forces, answer.force_densities
-    moved = scene is not None and scene.coordinates is not source.coordinates
+    said = () if result is None else _warnings(answer, result)
+    is_moved = scene is not None and scene.coordinates is not source.coordinates
+    motion = None if answer.motion is None else answer.motion.tolist()
     return Prestressed(
         source=source,
         options=asked,
@@ -126,22 +125,20 @@ def _told(source: Scene, asked: dict[str, Any], answer: Answer) -> Prestressed:
         result=result,
         feasible=None if answer.why in ("undecided", "inexact") else not answer.why,
         reason=refusal(source, answer, asked) if answer.why else None,
-        warnings=source.warnings + _warnings(answer, analysis),
+        warnings=source.warnings + said,
         self_stress_states=answer.states,
         group_states=answer.group_states,
         mechanisms=answer.mechanisms,
         rank_gap=answer.gap,
         never=labels(source, np.flatnonzero(answer.never)),
         idle=labels(source, np.flatnonzero(answer.idle)),
-        certificate=None
-        if answer.motion is None
-        else dict(zip(source.node_names, answer.motion.tolist(), strict=True)),
+        certificate=motion and dict(zip(source.node_names, motion, strict=True)),
         stability=analysis.get("stability"),
         super_stable=analysis.get("super_stable"),
-        max_node_motion=_farthest(scene.coordinates - source.coordinates) if moved and scene else None,
-        groups={} if result is None else _groups(result, q, t),
-        force_densities=None if result is None else q,
-        forces=None if result is None else t,
+        max_node_motion=_farthest(source, scene) if scene and is_moved else None,
+        groups={} if result is None else _groups(result, answer),
+        force_densities=None if result is None else answer.force_densities,
+        forces=None if result is None else answer.forces,
         rest_lengths=None if result is None else result.structure.rest_lengths,
     )
 
@@ -156,17 +153,17 @@ def _held(source: Scene, answer: Answer, moved: bool) -> Scene | None:
     return scene.with_rest_lengths(own)
 
 
-def _farthest(motion: np.ndarray) -> float:
-    return float(np.linalg.norm(motion, axis=1).max())
+def _farthest(source: Scene, scene: Scene) -> float:
+    return float(np.linalg.norm(scene.coordinates - source.coordinates, axis=1).max())
 
 
-def _groups(result: Result, densities: np.ndarray, forces: np.ndarray) -> dict[str, dict[str, Any]]:
+def _groups(result: Result, answer: Answer) -> dict[str, dict[str, Any]]:
     """Return for each group its count and the least and greatest of what its elements have."""
     counts = [len(group.EA) for group in result.source.groups]
     firsts = np.cumsum([0, *counts[:-1]])
     columns = {
-        "force_density": densities,
-        "force": forces,
+        "force_density": answer.force_densities,
+        "force": answer.forces,
         "rest_length": result.structure.rest_lengths,
         "strain": result.strains,
     }
@@ -177,10 +174,11 @@ def _groups(result: Result, densities: np.ndarray, forces: np.ndarray) -> dict[s
     }
 
 
-def _warnings(answer: Answer, analysis: Mapping[str, Any]) -> tuple[str, ...]:
+def _warnings(answer: Answer, result: Result) -> tuple[str, ...]:
     """Return what deserves a second look in the level and in the stability found, and why that is null."""
-    stability, reasons = analysis.get("stability"), analysis.get("reason") or {}
-    said = [f"{name} {reasons[name]}" for name in ("stability", "super_stable") if name in reasons]
+    stability, reasons = result.analysis["stability"], result.analysis["reason"]
+    said = [] if result.converged else [f"the forces balance only to {result.residual['relative']:.1e}"]
+    said += [f"{name} {reasons[name]}" for name in ("stability", "super_stable") if name in reasons]
     if answer.strain_needed is not None:
         said.append(
             f"the loads alone strain cables by {answer.strain_needed:.3g}, more than the {STRAIN:g} that "

@@ -125,7 +125,7 @@ def prestressed(question: Question) -> Answer:
     answer.gap, answer.softest = balance.gap, balance.softest
     signs = np.zeros(len(balance.size))
     signs[balance.classes] = np.where(structure.tension_only, 1.0, -1.0)
-    x = _best(question, answer, balance, signs) if balance.states != 0 or mechanics.F is not None else None
+    x = _best(question, answer, balance, signs) if balance.states != 0 or balance.is_loaded else None
     if x is None or not _is_signed(balance, x, signs):
         if not answer.why:
             _blame(answer, balance, signs)

@@ -66,7 +66,7 @@ class SelfStress:
     @property
     def is_loaded(self) -> bool:
         """Whether there are loads in free directions."""
-        return self.state.mechanics.F is not None
+        return bool(self.F.any())
 
     @property
     def is_dense(self) -> bool:
