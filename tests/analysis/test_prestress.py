@@ -394,3 +394,20 @@ def test_what_a_symmetry_cancels_is_no_equation():
         found = cgff_cli.prestress(cut, by_symmetry=True)
         assert found.feasible is False
         assert set(found.idle) == set(found.never)
+
+
+def test_a_tolerance_is_refused_where_matrices_are_sparse():
+    with pytest.raises(cgff_cli.OptionError, match="of at most 1500 elements or free directions"):
+        cgff_cli.prestress(family("tower", stages=200), tolerance=1e-3)
+
+
+def test_loads_on_what_is_held_change_nothing():
+    scene = OF_MANY_STATES["net"]
+    loaded = replace(scene, loads={0: (0.0, 0.0, -9.0)})
+    assert cgff_cli.prestress(loaded).forces.tolist() == cgff_cli.prestress(scene).forces.tolist()
+
+
+def test_a_shape_held_everywhere_has_a_state_for_every_element():
+    scene = replace(x_module(), supports=dict.fromkeys(range(4), "xy"))
+    found = cgff_cli.prestress(scene)
+    assert (found.feasible, found.self_stress_states, found.mechanisms) == (True, 6, 0)
