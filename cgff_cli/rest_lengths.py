@@ -79,9 +79,9 @@ def prestress(
     *,
     by_group: bool = False,
     by_symmetry: bool = False,
-    equal: str = "force density",
+    equal: str | None = None,
     force: Mapping[str, float] | None = None,
-    tolerance: float = LEAST_TOLERANCE,
+    tolerance: float | None = None,
 ) -> Prestressed:
     """Return rest lengths that hold a scene, or the scene file at a path, at its own coordinates.
 
@@ -148,9 +148,9 @@ def _held(source: Scene, answer: Answer, moved: bool) -> Scene | None:
     if answer.why or answer.rest_lengths is None or answer.coordinates is None:
         return None
     ends = np.cumsum([len(group.EA) for group in source.groups])[:-1]
-    own = np.concatenate([_evened(part) for part in np.split(answer.rest_lengths, ends)])
+    own = [_evened(part) for part in np.split(answer.rest_lengths, ends)]
     scene = replace(source, coordinates=answer.coordinates) if moved else source
-    return scene.with_rest_lengths(own)
+    return scene.with_rest_lengths(np.concatenate(own))
 
 
 def _farthest(source: Scene, scene: Scene) -> float:
@@ -198,11 +198,12 @@ def _checked(
     scene: Scene,
     by_group: bool,
     by_symmetry: bool,
-    equal: str,
+    equal: str | None,
     force: Mapping[str, float] | None,
-    tolerance: float,
+    tolerance: float | None,
 ) -> dict[str, Any]:
     """Return the options by name; raises OptionError where one is none, or two contradict each other."""
+    equal, tolerance = equal or EQUAL[0], LEAST_TOLERANCE if tolerance is None else tolerance
     if by_group and by_symmetry:
         raise OptionError("members share values by group or by symmetry, not by both")
     if equal not in EQUAL:
@@ -233,8 +234,7 @@ EQUAL = ("force density", "force")
 
 def _at_rest(scene: Scene) -> Structure:
     """Return the arrays of a scene whose rest lengths are its lengths; SceneError where one is none."""
-    pairs = np.concatenate([group.pairs for group in scene.groups])
-    X = scene.coordinates
+    X, pairs = scene.coordinates, np.concatenate([group.pairs for group in scene.groups])
     l = np.linalg.norm(X[pairs[:, 0]] - X[pairs[:, 1]], axis=1)
     without = np.flatnonzero(l <= 1e-12 * np.ptp(X, axis=0).max())
     if len(without):
