@@ -119,8 +119,8 @@ def _force(answer: Answer, asked: Mapping[str, Any]) -> str:
 def _inexact(answer: Answer, asked: Mapping[str, Any]) -> str:
     if asked["tolerance"] > LEAST_TOLERANCE:
         return (
-            f"no shape near these coordinates was found that balances: {answer.left_over:.1e} of the forces "
-            "is left over; a smaller tolerance may name other states"
+            "no shape near these coordinates was found that balances a self-stress of the right signs "
+            f"({answer.left_over:.1e} of its forces left over); a smaller tolerance may name other states"
         )
     return (
         f"these coordinates balance a self-stress only to {answer.left_over:.1e} of its forces: they were "

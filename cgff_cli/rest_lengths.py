@@ -23,6 +23,9 @@ from cgff_cli.values import Rule
 TOLERABLE = Rule(kind=float, positive=True, below=1.0)
 FORCE = Rule(kind=float, largest=1e30)
 
+JUDGED: dict[str, Any] = {"objective": "residual", "max_iterations": 0, "analysis": "always"}
+"""Solve options that leave a scene where it is, be it unstable, and tell all of it."""
+
 _ALIKE = 1e-14  # rest lengths of a group this near, relatively, are one and its rounding
 
 
@@ -76,9 +79,9 @@ def prestress(
     *,
     by_group: bool = False,
     by_symmetry: bool = False,
-    equal: str = "force density",
+    equal: str | None = None,
     force: Mapping[str, float] | None = None,
-    tolerance: float = LEAST_TOLERANCE,
+    tolerance: float | None = None,
 ) -> Prestressed:
     """Return rest lengths that hold a scene, or the scene file at a path, at its own coordinates.
 
@@ -103,19 +106,18 @@ def prestress(
     for name, number in asked["force"].items():
         members, value = owners == names.index(name), abs(number)
     EA = np.concatenate([group.EA for group in scene.groups])
-    question = Question(
-        structure, EA, scene.law, classes, equal == "force", members, value, asked["tolerance"]
-    )
-    return _told(scene, asked, prestressed(question))
+    shared = (classes, equal == "force", members, value, asked["tolerance"])
+    return _told(scene, asked, prestressed(Question(structure, EA, scene.law, *shared)))
 
 
 def _told(source: Scene, asked: dict[str, Any], answer: Answer) -> Prestressed:
     """Return an answer with names, and the judgement of the scene that it makes."""
     scene = _held(source, answer, asked["tolerance"] > LEAST_TOLERANCE)
-    result = None if scene is None else pipeline.solve(scene, objective="residual", max_iterations=0)
+    result = None if scene is None else pipeline.solve(scene, **JUDGED)
     analysis = {} if result is None else result.analysis
-    t, q = answer.forces, answer.force_densities
-    moved = scene is not None and scene.coordinates is not source.coordinates
+    said = () if result is None else _warnings(answer, result)
+    is_moved = scene is not None and scene.coordinates is not source.coordinates
+    motion = None if answer.motion is None else answer.motion.tolist()
     return Prestressed(
         source=source,
         options=asked,
@@ -123,22 +125,20 @@ def _told(source: Scene, asked: dict[str, Any], answer: Answer) -> Prestressed:
         result=result,
         feasible=None if answer.why in ("undecided", "inexact") else not answer.why,
         reason=refusal(source, answer, asked) if answer.why else None,
-        warnings=source.warnings + _warnings(answer, analysis.get("stability")),
+        warnings=source.warnings + said,
         self_stress_states=answer.states,
         group_states=answer.group_states,
         mechanisms=answer.mechanisms,
         rank_gap=answer.gap,
         never=labels(source, np.flatnonzero(answer.never)),
         idle=labels(source, np.flatnonzero(answer.idle)),
-        certificate=None
-        if answer.motion is None
-        else dict(zip(source.node_names, answer.motion.tolist(), strict=True)),
+        certificate=motion and dict(zip(source.node_names, motion, strict=True)),
         stability=analysis.get("stability"),
         super_stable=analysis.get("super_stable"),
-        max_node_motion=_farthest(scene.coordinates - source.coordinates) if moved and scene else None,
-        groups={} if result is None else _groups(result, q, t),
-        force_densities=None if result is None else q,
-        forces=None if result is None else t,
+        max_node_motion=_farthest(source, scene) if scene and is_moved else None,
+        groups={} if result is None else _groups(result, answer),
+        force_densities=None if result is None else answer.force_densities,
+        forces=None if result is None else answer.forces,
         rest_lengths=None if result is None else result.structure.rest_lengths,
     )
 
@@ -148,21 +148,21 @@ def _held(source: Scene, answer: Answer, moved: bool) -> Scene | None:
     if answer.why or answer.rest_lengths is None or answer.coordinates is None:
         return None
     ends = np.cumsum([len(group.EA) for group in source.groups])[:-1]
-    own = np.concatenate([_evened(part) for part in np.split(answer.rest_lengths, ends)])
+    own = [_evened(part) for part in np.split(answer.rest_lengths, ends)]
     scene = replace(source, coordinates=answer.coordinates) if moved else source
-    return scene.with_rest_lengths(own)
+    return scene.with_rest_lengths(np.concatenate(own))
 
 
-def _farthest(motion: np.ndarray) -> float:
-    return float(np.linalg.norm(motion, axis=1).max())
+def _farthest(source: Scene, scene: Scene) -> float:
+    return float(np.linalg.norm(scene.coordinates - source.coordinates, axis=1).max())
 
 
-def _groups(result: Result, densities: np.ndarray, forces: np.ndarray) -> dict[str, dict[str, Any]]:
+def _groups(result: Result, answer: Answer) -> dict[str, dict[str, Any]]:
     """Return for each group its count and the least and greatest of what its elements have."""
     counts = [len(group.EA) for group in result.source.groups]
     columns = {
-        "force_density": densities,
-        "force": forces,
+        "force_density": answer.force_densities,
+        "force": answer.forces,
         "rest_length": result.structure.rest_lengths,
         "strain": result.strains,
     }
@@ -173,9 +173,11 @@ def _groups(result: Result, densities: np.ndarray, forces: np.ndarray) -> dict[s
     }
 
 
-def _warnings(answer: Answer, stability: str | None) -> tuple[str, ...]:
-    """Return what deserves a second look in the level, and in the stability of what was found."""
-    said = []
+def _warnings(answer: Answer, result: Result) -> tuple[str, ...]:
+    """Return what deserves a second look in the level and in the stability found, and why that is null."""
+    stability, reasons = result.analysis["stability"], result.analysis["reason"]
+    said = [] if result.converged else [f"the forces balance only to {result.residual['relative']:.1e}"]
+    said += [f"{name} {reasons[name]}" for name in ("stability", "super_stable") if name in reasons]
     if answer.strain_needed is not None:
         said.append(
             f"the loads alone strain cables by {answer.strain_needed:.3g}, more than the {STRAIN:g} that "
@@ -195,11 +197,12 @@ def _checked(
     scene: Scene,
     by_group: bool,
     by_symmetry: bool,
-    equal: str,
+    equal: str | None,
     force: Mapping[str, float] | None,
-    tolerance: float,
+    tolerance: float | None,
 ) -> dict[str, Any]:
     """Return the options by name; raises OptionError where one is none, or two contradict each other."""
+    equal, tolerance = equal or EQUAL[0], LEAST_TOLERANCE if tolerance is None else tolerance
     if by_group and by_symmetry:
         raise OptionError("members share values by group or by symmetry, not by both")
     if equal not in EQUAL:
@@ -230,8 +233,7 @@ EQUAL = ("force density", "force")
 
 def _at_rest(scene: Scene) -> Structure:
     """Return the arrays of a scene whose rest lengths are its lengths; SceneError where one is none."""
-    pairs = np.concatenate([group.pairs for group in scene.groups])
-    X = scene.coordinates
+    X, pairs = scene.coordinates, np.concatenate([group.pairs for group in scene.groups])
     l = np.linalg.norm(X[pairs[:, 0]] - X[pairs[:, 1]], axis=1)
     without = np.flatnonzero(l <= 1e-12 * np.ptp(X, axis=0).max())
     if len(without):

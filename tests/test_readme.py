@@ -245,6 +245,15 @@ def test_the_columns_of_csv_tables_are_those_of_the_program():
     assert list(next(element_blocks(result))) == list(result.elements[0])
 
 
+def test_the_fields_of_a_prestress_are_those_of_the_program():
+    found = cgff_cli.prestress(cgff_cli.new("prism"))
+    table = rows("Prestress fields")
+    assert {name for row in table for name in code_in(row[0])} == set(found.to_dict())
+    (groups,) = (code_in(row[1]) for row in table if row[0] == "`groups`")
+    assert groups == list(found.groups["struts"])
+    assert f"Above {DENSE} columns" in section("Prestress")
+
+
 def test_the_fields_of_a_comparison_are_those_of_the_program():
     compared = cgff_cli.compare(ROOT / "structures" / "prism.yaml", ["lm"], repeat=1).to_dict()
     table = rows("Comparisons")

@@ -6,10 +6,12 @@ shorten some struts, so forbids these any force of their sign (Stiemke's lemma).
 more, with the rate -F y (Farkas' lemma): a motion against which loads do work while no member resists.
 """
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from cgff_cli.analysis.ranks import LEAST_TOLERANCE
 from cgff_cli.analysis.self_stress import SelfStress
 from cgff_cli.mechanics.norms import largest, norm
 
@@ -33,16 +35,14 @@ def blamed(balance: SelfStress, signs: np.ndarray) -> Blame:
     if balance.is_loaded:
         F = -balance.F[:, None] / norm(balance.F)
         A, own = _beside(A, F), np.append(signs, 1.0)
-    rates, motion_of = _rates(A, balance.tolerance)
-    y = _widest(rates, own)
-    blame = own * (rates @ y) > 0.5
-    y = _still(rates, y, ~blame)
-    rate = own * (A.T @ motion_of(y))
+    B, motion_of = _independent(A, balance.tolerance)
+    blame = _widest(B, own)
+    y = motion_of(_smallest(B, own, blame))
+    rate = own * (A.T @ y)
     size = largest(rate)
     at_rest = largest(rate[~blame]) <= PROVEN * size
     proven = bool(size > 0.0 and at_rest and rate[blame].min(initial=np.inf) > PROVEN * size)
-    motion = motion_of(y)
-    return Blame(blame[:m], bool(blame[m:].any()), motion / (largest(motion) or 1.0), proven)
+    return Blame(blame[:m], bool(blame[m:].any()), y / (largest(y) or 1.0), proven)
 
 
 def _beside(A: Any, column: np.ndarray) -> Any:
@@ -53,41 +53,58 @@ def _beside(A: Any, column: np.ndarray) -> Any:
     return hstack([A, csc_array(column)]).tocsc()
 
 
-def _rates(A: Any, tolerance: float) -> tuple[Any, Any]:
-    """Return the rates (m, g) of independent motions, and what makes motions of their amounts.
-
-    Of a dense A these are the motions that lengthen anything beyond the tolerance, and no others.
-    """
-    if not isinstance(A, np.ndarray):
-        return A.T.tocsr(), lambda y: y
+def _independent(A: Any, tolerance: float) -> tuple[Any, Callable[[np.ndarray], np.ndarray]]:
+    """Return A, and what makes motions of its rows; those that the tolerance counts as zero are left out."""
+    if tolerance <= LEAST_TOLERANCE:
+        return A, lambda y: y
     left, values, right = np.linalg.svd(A, full_matrices=False)
     kept = values > tolerance
-    return right[kept].T, lambda y: left[:, kept] @ (y / values[kept])
+    if not (values[~kept] > LEAST_TOLERANCE).any():
+        return A, lambda y: y
+    return right[kept], lambda y: left[:, kept] @ (y / values[kept])
 
 
-def _widest(rates: Any, signs: np.ndarray) -> np.ndarray:
-    """Return the motion that lengthens as many as can be, by 1 or more each, and shortens none.
+def _widest(A: Any, signs: np.ndarray) -> np.ndarray:
+    """Return (m,) bool: all that motions can lengthen against their signs while they shorten nothing.
 
-    Such motions can be added and multiplied, so that one lengthens all that any of them does.
+    Such motions can be added and multiplied, so that one lengthens all that any of them does, by 1 or more.
     """
+    from scipy.sparse import eye_array, hstack
+
+    f, m = A.shape
+    upper = hstack([_turned(A, -signs), eye_array(m)], format="csr")
+    cost = np.concatenate((np.zeros(f), np.full(m, -1.0)))
+    found = _solved(cost, upper, np.zeros(m), None, None, [(None, None)] * f + [(0.0, 1.0)] * m)
+    return np.zeros(m, dtype=bool) if found is None else found[f:] > 0.5
+
+
+def _smallest(A: Any, signs: np.ndarray, blame: np.ndarray) -> np.ndarray:
+    """Return the motion (f,) of least greatest component that lengthens what is to blame by 1 or more."""
+    from scipy.sparse import block_array, csr_array, eye_array, hstack
+
+    f, far = A.shape[0], np.ones((A.shape[0], 1))
+    least = _turned(A, -signs)[blame]
+    upper = block_array(
+        [[least, None], [eye_array(f), csr_array(-far)], [-eye_array(f), csr_array(-far)]], format="csr"
+    )
+    right = np.concatenate((np.full(least.shape[0], -1.0), np.zeros(2 * f)))
+    still = hstack([_turned(A, signs)[~blame], csr_array((int((~blame).sum()), 1))], format="csr")
+    cost = np.append(np.zeros(f), 1.0)
+    found = _solved(cost, upper, right, still, np.zeros(still.shape[0]), [(None, None)] * f + [(0.0, None)])
+    return np.zeros(f) if found is None else found[:f]
+
+
+def _turned(A: Any, signs: np.ndarray) -> Any:
+    """Return diag(signs) A^T, sparse."""
+    from scipy.sparse import csr_array, diags_array
+
+    turned: Any = diags_array(signs) @ csr_array(A.T)
+    return turned
+
+
+def _solved(cost: np.ndarray, upper: Any, u: Any, equal: Any, e: Any, bounds: Any) -> np.ndarray | None:
     from scipy.optimize import linprog
-    from scipy.sparse import csr_array, diags_array, eye_array, hstack
 
-    m, g = rates.shape
-    turned: Any = diags_array(-signs) @ csr_array(rates)
-    upper: Any = hstack([turned, eye_array(m)], format="csr")
-    cost = np.concatenate((np.zeros(g), np.full(m, -1.0)))
-    bounds = [(None, None)] * g + [(0.0, 1.0)] * m
     solve: Any = linprog  # whose types know no sparse matrix
-    found = solve(cost, A_ub=upper, b_ub=np.zeros(m), bounds=bounds, method="highs")
-    return np.zeros(g) if found.x is None else found.x[:g]
-
-
-def _still(rates: Any, y: np.ndarray, at_rest: np.ndarray) -> np.ndarray:
-    """Return the motion nearest to y that lengthens nothing of what is at rest, not even by rounding."""
-    own = rates[at_rest]
-    if isinstance(own, np.ndarray):
-        return y - np.linalg.lstsq(own, own @ y, rcond=PROVEN)[0] if len(own) else y
-    from scipy.sparse.linalg import lsmr
-
-    return y - lsmr(own, own @ y, atol=1e-14, btol=1e-14, maxiter=20 * max(own.shape))[0]
+    x: np.ndarray | None = solve(cost, upper, u, equal, e, bounds, method="highs").x
+    return x

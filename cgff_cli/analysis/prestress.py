@@ -71,7 +71,10 @@ class Question:
 class Answer:
     """What came of a question; arrays are (b,), in the user's units.
 
-    why           : "" where feasible, else one of WHY
+    why           : "" where feasible, else: no_state, no_group_state, no self-stress at all, or none of
+                    shared values; signs, none of the right ones; loads, none that bears them; rest_length,
+                    none above 0; force, no such greatest one under the loads; inexact, none but to the
+                    tolerance; undecided, rounding decides
     states, group_states, mechanisms : counts, None where not told; group_states of shared values
     gap, softest  : least singular value kept over the greatest left out; the least of all
     never, idle   : bool      motion : (n, d), what proves who is to blame, or None
@@ -100,11 +103,6 @@ class Answer:
     left_over: float = 0.0
 
 
-WHY = ("no_state", "no_group_state", "signs", "loads", "rest_length", "force", "inexact", "undecided")
-"""Reasons against: no self-stress, none of shared values, none of the right signs, none that bears the loads;
-no rest length above 0; no such force under the loads; none but to the tolerance; rounding decides."""
-
-
 def prestressed(question: Question) -> Answer:
     """Return forces and rest lengths that hold a shape, or why there are none.
 
@@ -127,16 +125,18 @@ def prestressed(question: Question) -> Answer:
     answer.gap, answer.softest = balance.gap, balance.softest
     signs = np.zeros(len(balance.size))
     signs[balance.classes] = np.where(structure.tension_only, 1.0, -1.0)
-    x = _best(question, answer, balance, signs) if balance.states != 0 or mechanics.F is not None else None
-    if x is not None and tolerance > LEAST_TOLERANCE:
+    x = _best(question, answer, balance, signs) if balance.states != 0 or balance.is_loaded else None
+    if x is None or not _is_signed(balance, x, signs):
+        if not answer.why:
+            _blame(answer, balance, signs)
+        return answer
+    if tolerance > LEAST_TOLERANCE:
         balance, x = near_shape(balance, x)
-        answer.left_over = balance.left_over(x)
-    if x is not None and _is_signed(balance, x, signs) and answer.left_over <= IN_BALANCE:
+    answer.left_over = balance.left_over(x)
+    if answer.left_over <= IN_BALANCE and _is_signed(balance, x, signs):
         _realise(question, answer, balance, x)
-    elif x is not None and _is_signed(balance, x, signs):
+    else:
         answer.why = "inexact"
-    elif not answer.why:
-        _blame(answer, balance, signs)
     return answer
 
 
@@ -156,9 +156,7 @@ def _best(question: Question, answer: Answer, balance: SelfStress, signs: np.nda
         if need > 1.0:
             answer.strain_needed = STRAIN * need
             most = most * (2.0 * need)
-    x = balanced(balance, signs, most)
-    answer.left_over = balance.left_over(x) if question.tolerance <= LEAST_TOLERANCE else 0.0
-    return x
+    return balanced(balance, signs, most)
 
 
 def _is_signed(balance: SelfStress, x: np.ndarray, signs: np.ndarray) -> bool:

@@ -46,22 +46,27 @@ class SelfStress:
             self.A = self.A.toarray() if self.A.shape[0] * self.A.shape[1] <= MOST_ENTRIES else self.A
 
     def _gathered(self, U: Any) -> Any:
-        """Return the columns of U, those of a class as one."""
+        """Return the columns of U, those of a class as one; what cancels but for rounding is 0."""
         if len(self.count) == len(self.classes):
             return U
         weights = self.share / self.size[self.classes]
+        blur = ADDED_UP * float((self.state.rounding / self.state.l).max())
         if isinstance(U, np.ndarray):
             S = np.zeros((len(weights), len(self.count)))
             S[np.arange(len(S)), self.classes] = weights
-            return U @ S
+            A = U @ S
+            return np.where(np.abs(A) > blur, A, 0.0)
         from scipy.sparse import csc_array
 
-        return (U @ csc_array((weights, (np.arange(len(weights)), self.classes)))).tocsc()
+        A = (U @ csc_array((weights, (np.arange(len(weights)), self.classes)))).tocsc()
+        A.data[np.abs(A.data) <= blur] = 0.0
+        A.eliminate_zeros()
+        return A
 
     @property
     def is_loaded(self) -> bool:
         """Whether there are loads in free directions."""
-        return self.state.mechanics.F is not None
+        return bool(self.F.any())
 
     @property
     def is_dense(self) -> bool:
@@ -142,6 +147,9 @@ class SelfStress:
         """Return how far A x is from F, relative to x and F."""
         return norm(self.A @ x - self.F) / max(norm(x), norm(self.F), EPS)
 
+
+ADDED_UP = 8.0
+"""Rounding errors of a member's direction that entries of a class may add up to."""
 
 IDLE = 1e-9
 """Share of a unit state below which an element carries rounding alone."""

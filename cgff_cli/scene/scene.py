@@ -6,6 +6,8 @@ from functools import cached_property
 
 import numpy as np
 
+from cgff_cli.errors import OptionError
+
 LAWS = ("paper", "hooke")
 KINDS = ("cable", "strut")
 AXES = "xyz"
@@ -83,7 +85,10 @@ class Scene:
         return any(bool(np.isnan(group.rest_length).any()) for group in self.groups)
 
     def with_rest_lengths(self, rest_lengths: np.ndarray) -> "Scene":
-        """Return the same scene with other rest lengths, (b,) in the scene's element order."""
+        """Return the same scene with other rest lengths, (b,) in its element order, or OptionError."""
+        if np.shape(rest_lengths) != (self.element_count,):
+            shape = np.shape(rest_lengths)
+            raise OptionError(f"rest_lengths must have the shape ({self.element_count},), got {shape}")
         ends = np.cumsum([len(group.EA) for group in self.groups])[:-1]
         own = zip(self.groups, np.split(np.asarray(rest_lengths, dtype=float), ends), strict=True)
         return replace(self, groups=tuple(replace(group, rest_length=values) for group, values in own))

@@ -34,6 +34,7 @@ OF_MANY_STATES = {
     "askew octahedron": moved(solid("octahedron"), 0.2, 1),
     "cuboctahedron": solid("cuboctahedron"),
     "levy": dome(6, 2, levy=True),
+    "askew levy": moved(dome(6, 1, levy=True), 0.05, 1),
     "stack": stack(3, 3),
     "net": net(5, 0.4),
     "tower": family("tower"),
@@ -152,6 +153,7 @@ def test_four_points_carry_one_state_whose_signs_only_a_convex_order_has():
     found = cgff_cli.prestress(inside)
     assert (found.feasible, found.self_stress_states, found.scene) == (False, 1, None)
     assert_proven(inside, found)
+    assert_proven(inside, cgff_cli.prestress(inside, tolerance=0.01))
 
 
 def test_six_points_off_a_conic_lack_one_member():
@@ -266,7 +268,15 @@ def test_groups_share_one_force_density_where_they_can():
 
 
 @pytest.mark.parametrize(
-    "scene", [swapped(prism(3)), of_one_kind(stack(3, 2), "cable"), grid(3, 0.0), prism(4, off=5.0)]
+    "scene",
+    [
+        swapped(prism(3)),
+        of_one_kind(stack(3, 2), "cable"),
+        grid(3, 0.0),
+        prism(4, off=5.0),
+        moved(dome(12, 3, levy=False), 0.05, 3),
+        moved(dome(8, 2, levy=True), 0.05, 3),
+    ],
 )
 def test_what_cannot_be_is_proven_by_a_motion(scene):
     found = cgff_cli.prestress(scene)
@@ -375,3 +385,29 @@ def test_a_large_shape_gives_what_its_stages_give():
     assert cgff_cli.solve(large.scene).counts["iterations"] == 0
     cut = replace(family("tower", stages=200), groups=family("tower", stages=200).groups[1:])
     assert_proven(cut, cgff_cli.prestress(cut))
+
+
+def test_what_a_symmetry_cancels_is_no_equation():
+    for scene in (family("tower", stages=83), family("tower", stages=760)):
+        assert cgff_cli.prestress(scene, by_symmetry=True).feasible
+        cut = replace(scene, groups=scene.groups[1:])
+        found = cgff_cli.prestress(cut, by_symmetry=True)
+        assert found.feasible is False
+        assert set(found.idle) == set(found.never)
+
+
+def test_a_tolerance_is_refused_where_matrices_are_sparse():
+    with pytest.raises(cgff_cli.OptionError, match="of at most 1500 elements or free directions"):
+        cgff_cli.prestress(family("tower", stages=200), tolerance=1e-3)
+
+
+def test_loads_on_what_is_held_change_nothing():
+    scene = OF_MANY_STATES["net"]
+    loaded = replace(scene, loads={0: (0.0, 0.0, -9.0)})
+    assert cgff_cli.prestress(loaded).forces.tolist() == cgff_cli.prestress(scene).forces.tolist()
+
+
+def test_a_shape_held_everywhere_has_a_state_for_every_element():
+    scene = replace(x_module(), supports=dict.fromkeys(range(4), "xy"))
+    found = cgff_cli.prestress(scene)
+    assert (found.feasible, found.self_stress_states, found.mechanisms) == (True, 6, 0)

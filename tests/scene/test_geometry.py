@@ -71,3 +71,5 @@ def test_with_rest_lengths_a_geometry_is_a_scene_like_any_other():
     scene = cgff_cli.loads(TRIANGLE).with_rest_lengths([3.9, 4.9, 3.1])
     assert not scene.is_geometry
     assert from_scene(scene).rest_lengths.tolist() == [3.9, 4.9, 3.1]
+    with pytest.raises(cgff_cli.OptionError, match=r"must have the shape \(3,\), got \(2,\)"):
+        scene.with_rest_lengths([1.0, 2.0])
