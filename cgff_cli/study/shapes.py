@@ -1,0 +1,143 @@
+"""Distinct equilibria among many answers: each brought down to rounding, judged, and counted once."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from cgff_cli.analysis.equilibrium import stability_of
+from cgff_cli.analysis.modes import modes_of, spectrum
+from cgff_cli.mechanics.state import Mechanics, State
+from cgff_cli.options import SolveOptions
+from cgff_cli.solvers.solution import Solution
+from cgff_cli.solvers.stopping import Gauge, Verdict
+from cgff_cli.structure import Structure
+from cgff_cli.study.alignment import largest_move, size
+from cgff_cli.study.sameness import Leeway, laid, leeway_of
+
+SAME = 1e-6
+"""Share of the size within which nodes are in the same place."""
+
+COARSEST = 1e-3
+"""Most of that share, where softness leaves a shape unsure by more than SAME."""
+
+MODES = 3
+"""Softest motions that are kept of each shape."""
+
+REFINEMENTS = 6
+"""Newton steps at most that bring a shape down to rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """A distinct equilibrium.
+
+    coordinates : (n, d)          lengths : (b,) of elements         modes : (m, n, d) softest, largest move 1
+    within      : how far a node may be from its place in the same shape
+    count, first_start : starts that led here, and the number of the first
+    """
+
+    coordinates: np.ndarray
+    lengths: np.ndarray
+    energy: float
+    stability: str | None
+    smallest_stiffness: float | None
+    slack_count: int
+    residual_relative: float
+    modes: np.ndarray
+    leeway: Leeway
+    within: float
+    count: int
+    first_start: int
+
+    def is_at(self, X: np.ndarray, lengths: np.ndarray, within: float = 0.0) -> bool:
+        """Return whether (n, d) coordinates, and (b,) lengths, are this shape; within: in doubt by as much."""
+        near = max(self.within, within)
+        if np.abs(lengths - self.lengths).max() > 2.0 * near:
+            return False
+        return largest_move(laid(X, self.coordinates, self.leeway), self.coordinates) <= near
+
+
+@dataclass(eq=False)
+class Shapes:
+    """Distinct shapes in the order found; a new one is held against the first of each, never a chain of them."""
+
+    found: list[Shape] = field(default_factory=list)
+
+    def __iter__(self) -> Iterator[Shape]:
+        return iter(self.found)
+
+    def place(self, X: np.ndarray, lengths: np.ndarray, within: float = 0.0) -> int | None:
+        """Return the place of the shape that coordinates are, None where there is none of it yet."""
+        for place, shape in enumerate(self.found):
+            if shape.is_at(X, lengths, within):
+                return place
+        return None
+
+    def add(self, shape: Shape) -> None:
+        """Count a shape in."""
+        place = self.place(shape.coordinates, shape.lengths, shape.within)
+        if place is None:
+            self.found.append(shape)
+        else:
+            self.seen(place, shape.count)
+
+    def seen(self, place: int, count: int = 1) -> None:
+        """Count starts that led to a shape."""
+        known = self.found[place]
+        self.found[place] = replace(known, count=known.count + count)
+
+    def add_answers(
+        self, structure: Structure, options: SolveOptions, answers: Iterable[tuple[int, np.ndarray]]
+    ) -> None:
+        """Count in answers: number of the start, and coordinates (n, d), balanced to the tolerance."""
+        for number, X in answers:
+            lengths = np.linalg.norm(X[structure.start] - X[structure.end], axis=1)
+            place = self.place(X, lengths)
+            if place is None:
+                self.add(judged(replace(structure, coordinates=X), options, number))
+            else:
+                self.seen(place)
+
+
+def judged(structure: Structure, options: SolveOptions, number: int) -> Shape:
+    """Return the equilibrium at a structure's coordinates, refined and judged, as found from one start."""
+    mechanics = Mechanics(structure)
+    gauge = Gauge(mechanics)
+    state = _refined(mechanics.at(mechanics.start), gauge, options)
+    solution = Solution(state, Verdict.CONVERGED, options.tolerance, 1)
+    floor = solution.balance.floor
+    told = stability_of(solution, options)
+    signs = spectrum(state, floor, options.factor)
+    shapes = modes_of(signs, state, MODES).shapes
+    X, reach = solution.coordinates, np.sqrt((shapes**2).sum(axis=2)).max(axis=1, initial=0.0)
+    blur = state.norm / signs.softest * mechanics.frame.length if signs.softest > 0.0 else 0.0
+    whole = size(X)
+    return Shape(
+        coordinates=X,
+        lengths=solution.lengths,
+        energy=solution.energy,
+        stability=told["stability"],
+        smallest_stiffness=told["smallest_stiffness"],
+        slack_count=int(state.slack.sum()),
+        residual_relative=solution.relative,
+        modes=shapes / reach[:, None, None],
+        leeway=leeway_of(state, floor),
+        within=min(max(SAME * whole, 4.0 * blur), COARSEST * whole),
+        count=1,
+        first_start=number,
+    )
+
+
+def _refined(state: State, gauge: Gauge, options: SolveOptions) -> State:
+    """Return a state after Newton steps, as long as they bring forces nearer to balance."""
+    for _ in range(REFINEMENTS):
+        floor = gauge.rounding_floor(state)
+        if state.norm <= floor:
+            break
+        steps = spectrum(state, floor, options.factor).newton_steps()
+        there = min((state.mechanics.at(state.X + step) for step in steps), key=lambda s: s.norm)
+        if not there.norm < state.norm:
+            break
+        state = there
+    return state
