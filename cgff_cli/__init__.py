@@ -21,6 +21,7 @@ _HOME = {
     "solve": "cgff_cli.pipeline",
     "solve_many": "cgff_cli.many",
     "compare": "cgff_cli.study.compare",
+    "equilibria": "cgff_cli.study.search",
     "shipped": "cgff_cli.scene.shipped",
     "Scene": "cgff_cli.scene.scene",
     "Group": "cgff_cli.scene.scene",

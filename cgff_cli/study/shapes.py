@@ -1,7 +1,8 @@
 """Distinct equilibria among many answers: each brought down to rounding, judged, and counted once."""
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -51,36 +52,57 @@ class Shape:
     first_start: int
 
     def is_at(self, X: np.ndarray, lengths: np.ndarray, within: float = 0.0) -> bool:
-        """Return whether (n, d) coordinates, and (b,) lengths, are this shape; within: in doubt by as much."""
+        """Return whether coordinates (n, d) and lengths (b,), in doubt by `within`, are this shape."""
         near = max(self.within, within)
         if np.abs(lengths - self.lengths).max() > 2.0 * near:
             return False
         return largest_move(laid(X, self.coordinates, self.leeway), self.coordinates) <= near
 
 
-@dataclass(eq=False)
-class Shapes:
-    """Distinct shapes in the order found; a new one is held against the first of each, never a chain of them."""
+class Nearby:
+    """Places by a number each, so that those with one near another's are found without asking all."""
 
-    found: list[Shape] = field(default_factory=list)
+    def __init__(self) -> None:
+        self.numbers: list[float] = []
+        self.places: list[int] = []
+
+    def add(self, number: float) -> None:
+        """Give the next place a number."""
+        at = bisect_left(self.numbers, number)
+        self.places.insert(at, len(self.places))
+        self.numbers.insert(at, number)
+
+    def to(self, number: float, reach: float) -> list[int]:
+        """Return the places of numbers within reach of a number, in the order they were added."""
+        first, last = bisect_left(self.numbers, number - reach), bisect_right(self.numbers, number + reach)
+        return sorted(self.places[first:last])
+
+
+class Shapes:
+    """Distinct shapes in the order found; a new one is held against the first of each: nothing chains."""
+
+    def __init__(self) -> None:
+        self.found: list[Shape] = []
+        self._nearby, self._widest = Nearby(), 0.0
 
     def __iter__(self) -> Iterator[Shape]:
         return iter(self.found)
 
     def place(self, X: np.ndarray, lengths: np.ndarray, within: float = 0.0) -> int | None:
         """Return the place of the shape that coordinates are, None where there is none of it yet."""
-        for place, shape in enumerate(self.found):
-            if shape.is_at(X, lengths, within):
-                return place
-        return None
+        reach = 2.0 * max(self._widest, within) * len(lengths)
+        near = self._nearby.to(_mixed(lengths), reach)
+        return next((place for place in near if self.found[place].is_at(X, lengths, within)), None)
 
     def add(self, shape: Shape) -> None:
         """Count a shape in."""
         place = self.place(shape.coordinates, shape.lengths, shape.within)
-        if place is None:
-            self.found.append(shape)
-        else:
+        if place is not None:
             self.seen(place, shape.count)
+            return
+        self.found.append(shape)
+        self._nearby.add(_mixed(shape.lengths))
+        self._widest = max(self._widest, shape.within)
 
     def seen(self, place: int, count: int = 1) -> None:
         """Count starts that led to a shape."""
@@ -98,6 +120,11 @@ class Shapes:
                 self.add(judged(replace(structure, coordinates=X), options, number))
             else:
                 self.seen(place)
+
+
+def _mixed(lengths: np.ndarray) -> float:
+    """Return a sum of lengths (b,), each times a number of its own of at most 1."""
+    return float(lengths @ np.cos(np.arange(len(lengths)) ** 2.0))
 
 
 def judged(structure: Structure, options: SolveOptions, number: int) -> Shape:

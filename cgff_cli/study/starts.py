@@ -34,7 +34,7 @@ def random_start(structure: Structure, seed: int, number: int) -> np.ndarray:
 
 
 def along_modes(structure: Structure, shapes: Iterable[Shape]) -> Iterator[np.ndarray]:
-    """Yield starts (n, d) to either side of shapes along their softest modes, the softest and nearest first."""
+    """Yield starts (n, d) to either side of shapes along their softest modes, softest and nearest first."""
     size = size_of_start(structure)
     for shape in shapes:
         for mode in shape.modes:
