@@ -15,16 +15,17 @@ def by_kind(structure: Structure, shapes: list[Shape]) -> tuple[list[int], list[
 
     All of a kind have one energy, that of the first found, so that rounding does not part them.
     """
-    symmetries = Symmetries(structure)
     firsts: list[Shape] = []
+    symmetries: list[Symmetries] = []
     nearby, widest = Nearby(), max((own.within for own in shapes), default=0.0)
     found: list[tuple[Shape, int]] = []
     for own in shapes:
         whole = float(own.lengths.sum())
         near = nearby.to(whole, 2.0 * widest * len(own.lengths))
-        place = next((i for i in near if _is_image(symmetries, own, firsts[i])), len(firsts))
+        place = next((i for i in near if _is_image(symmetries[i], own, firsts[i])), len(firsts))
         if place == len(firsts):
             firsts.append(own)
+            symmetries.append(Symmetries(structure, own.leeway))
             nearby.add(whole)
         found.append((replace(own, energy=firsts[place].energy), place))
     found.sort(key=lambda pair: (pair[0].energy, pair[1], pair[0].first_start))
@@ -35,7 +36,7 @@ def by_kind(structure: Structure, shapes: list[Shape]) -> tuple[list[int], list[
 def _is_image(symmetries: Symmetries, own: Shape, other: Shape) -> bool:
     """Return whether a symmetry maps a shape to another; lengths in order tell most apart."""
     within = max(own.within, other.within)
-    if own.stability != other.stability:
+    if (own.stability, own.leeway.kind) != (other.stability, other.leeway.kind):
         return False
     if np.abs(np.sort(own.lengths) - np.sort(other.lengths)).max() > 2.0 * within:
         return False

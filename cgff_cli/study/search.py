@@ -31,7 +31,7 @@ SEARCH = {
 }
 """What a search is asked for beside solve options, and what each may be."""
 
-CHUNK, CHUNK_ELEMENTS = 100, 4000
+CHUNK, CHUNK_ELEMENTS = 200, 6000
 """Starts solved together: at most as many, and as many as have so many elements in all."""
 
 Watcher = Callable[[str], None]

@@ -3,13 +3,15 @@
 A symmetry renames nodes so that elements go to elements of the same kind, stiffness and rest length, and
 moves space, mirror images included, so that supports and loads go to such. Two shapes are of one kind where a
 renaming takes all distances of the one to those of the other. Loads, and directions that supports hold, are
-points of their own beside the nodes: what keeps all distances then keeps them as well. The renaming is found
-by refinement and backtracking; the group of all symmetries is never listed.
+points of their own beside the nodes: what keeps all distances then keeps them as well; but for directions
+that the rotations left to a shape turn away. The renaming is found by refinement and backtracking; the group
+of all symmetries is never listed.
 """
 
 import numpy as np
 
 from cgff_cli.structure import Structure
+from cgff_cli.study.sameness import TURNS, Leeway
 
 ALIKE = 1e-9
 """Relative difference up to which numbers of a scene are meant to be equal."""
@@ -24,12 +26,12 @@ class Symmetries:
     colours : (p,) points of other colours are no images of each other
     """
 
-    def __init__(self, structure: Structure):
+    def __init__(self, structure: Structure, leeway: Leeway):
         n, d = structure.coordinates.shape
         held = d - structure.free.sum(axis=1)
         owners, offsets, colours = [np.arange(n)], [np.zeros((n, d))], [held]
         loads = structure.loads * structure.free
-        for number, (nodes, arrows) in enumerate((_arrows(loads), *_held_directions(structure.free))):
+        for number, (nodes, arrows) in enumerate((_arrows(loads), *_held(structure.free, leeway))):
             owners.append(nodes)
             offsets.append(arrows)
             colours.append(np.full(len(nodes), d + 1 + number))
@@ -96,13 +98,22 @@ def _arrows(loads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return nodes, loads[nodes] / (largest or 1.0)
 
 
-def _held_directions(free: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Return nodes and directions, both ways, that are held alone, and, in space, left free alone."""
+def _held(free: np.ndarray, leeway: Leeway) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return nodes, and directions both ways, that are held: alone, or all but one, which then stands for it.
+
+    Where rotations about one axis are left, it is only that direction; where more are left, none.
+    """
     d = free.shape[1]
+    some = np.asarray(free.any(axis=1))
+    if leeway.kind == "none":
+        count = free.sum(axis=1, keepdims=True)
+        told = [~free & (count == d - 1), *([free & (count == 1)] if d == 3 else [])]
+    else:
+        told = [~free & some[:, None] & (np.abs(leeway.axis) > 1.0 - TURNS)] if len(leeway.axis) else []
     found = []
-    for alone, count in ((~free, 1), (free, 1)) if d == 3 else ((~free, 1),):
-        nodes = np.flatnonzero(alone.sum(axis=1) == count)
-        ways = alone[nodes].astype(float)
+    for which in told:
+        nodes, axes = np.nonzero(which)
+        ways = np.eye(d)[axes]
         found.append((np.concatenate((nodes, nodes)), np.concatenate((ways, -ways))))
     return found
 
