@@ -20,8 +20,8 @@ def by_kind(structure: Structure, shapes: list[Shape]) -> tuple[list[int], list[
     nearby, widest = Nearby(), max((own.within for own in shapes), default=0.0)
     found: list[tuple[Shape, int]] = []
     for own in shapes:
-        whole = float(own.lengths.sum())
-        near = nearby.to(whole, 2.0 * widest * len(own.lengths))
+        whole = float(np.linalg.norm(_spreads(own)))
+        near = nearby.to(whole, 2.0 * widest)
         place = next((i for i in near if _is_image(symmetries[i], own, firsts[i])), len(firsts))
         if place == len(firsts):
             firsts.append(own)
@@ -34,10 +34,20 @@ def by_kind(structure: Structure, shapes: list[Shape]) -> tuple[list[int], list[
 
 
 def _is_image(symmetries: Symmetries, own: Shape, other: Shape) -> bool:
-    """Return whether a symmetry maps a shape to another; lengths in order tell most apart."""
+    """Return whether a symmetry maps a shape to another; how far they spread tells most apart."""
     within = max(own.within, other.within)
     if (own.stability, own.leeway.kind) != (other.stability, other.leeway.kind):
         return False
-    if np.abs(np.sort(own.lengths) - np.sort(other.lengths)).max() > 2.0 * within:
+    if np.abs(_spreads(own) - _spreads(other)).max() > 2.0 * within:
         return False
     return symmetries.map(own.coordinates, other.coordinates, size(other.coordinates), within)
+
+
+def _spreads(shape: Shape) -> np.ndarray:
+    """Return (d,) spreads of the nodes along the shape's principal axes, whatever the nodes are called.
+
+    Where nodes move by some distance, none changes by more (Weyl).
+    """
+    X = shape.coordinates
+    centred = X - X.mean(axis=0)
+    return np.asarray(np.linalg.svd(centred, compute_uv=False) / np.sqrt(len(X)))

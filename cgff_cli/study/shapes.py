@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cgff_cli.analysis.equilibrium import stability_of
+from cgff_cli.analysis.measures import reach
 from cgff_cli.analysis.modes import modes_of, spectrum
 from cgff_cli.mechanics.state import Mechanics, State
 from cgff_cli.options import SolveOptions
@@ -33,13 +34,12 @@ REFINEMENTS = 6
 class Shape:
     """A distinct equilibrium.
 
-    coordinates : (n, d)          lengths : (b,) of elements         modes : (m, n, d) softest, largest move 1
+    coordinates : (n, d)          modes : (m, n, d) softest motions, the node that moves most by 1
     within      : how far a node may be from its place in the same shape
     count, first_start : starts that led here, and the number of the first
     """
 
     coordinates: np.ndarray
-    lengths: np.ndarray
     energy: float
     stability: str | None
     smallest_stiffness: float | None
@@ -51,12 +51,10 @@ class Shape:
     count: int
     first_start: int
 
-    def is_at(self, X: np.ndarray, lengths: np.ndarray, within: float = 0.0) -> bool:
-        """Return whether coordinates (n, d) and lengths (b,), in doubt by `within`, are this shape."""
-        near = max(self.within, within)
-        if np.abs(lengths - self.lengths).max() > 2.0 * near:
-            return False
-        return largest_move(laid(X, self.coordinates, self.leeway), self.coordinates) <= near
+    def is_at(self, X: np.ndarray, within: float = 0.0) -> bool:
+        """Return whether coordinates (n, d), in doubt by `within`, are this shape."""
+        moved = largest_move(laid(X, self.coordinates, self.leeway), self.coordinates)
+        return moved <= max(self.within, within)
 
 
 class Nearby:
@@ -88,20 +86,19 @@ class Shapes:
     def __iter__(self) -> Iterator[Shape]:
         return iter(self.found)
 
-    def place(self, X: np.ndarray, lengths: np.ndarray, within: float = 0.0) -> int | None:
+    def place(self, X: np.ndarray, within: float = 0.0) -> int | None:
         """Return the place of the shape that coordinates are, None where there is none of it yet."""
-        reach = 2.0 * max(self._widest, within) * len(lengths)
-        near = self._nearby.to(_mixed(lengths), reach)
-        return next((place for place in near if self.found[place].is_at(X, lengths, within)), None)
+        near = self._nearby.to(_mixed(X), 2.0 * max(self._widest, within))
+        return next((place for place in near if self.found[place].is_at(X, within)), None)
 
     def add(self, shape: Shape) -> None:
         """Count a shape in."""
-        place = self.place(shape.coordinates, shape.lengths, shape.within)
+        place = self.place(shape.coordinates, shape.within)
         if place is not None:
             self.seen(place, shape.count)
             return
         self.found.append(shape)
-        self._nearby.add(_mixed(shape.lengths))
+        self._nearby.add(_mixed(shape.coordinates))
         self._widest = max(self._widest, shape.within)
 
     def seen(self, place: int, count: int = 1) -> None:
@@ -114,17 +111,19 @@ class Shapes:
     ) -> None:
         """Count in answers: number of the start, and coordinates (n, d), balanced to the tolerance."""
         for number, X in answers:
-            lengths = np.linalg.norm(X[structure.start] - X[structure.end], axis=1)
-            place = self.place(X, lengths)
+            place = self.place(X)
             if place is None:
                 self.add(judged(replace(structure, coordinates=X), options, number))
             else:
                 self.seen(place)
 
 
-def _mixed(lengths: np.ndarray) -> float:
-    """Return a sum of lengths (b,), each times a number of its own of at most 1."""
-    return float(lengths @ np.cos(np.arange(len(lengths)) ** 2.0))
+def _mixed(X: np.ndarray) -> float:
+    """Return a mean of the nodes' distances from the centroid, each times a number of its own of at most 1.
+
+    The same at the same shape; where nodes move by some distance, it changes by no more than twice that.
+    """
+    return float((reach(X) * np.cos(np.arange(len(X)) ** 2.0)).mean())
 
 
 def judged(structure: Structure, options: SolveOptions, number: int) -> Shape:
@@ -137,18 +136,17 @@ def judged(structure: Structure, options: SolveOptions, number: int) -> Shape:
     told = stability_of(solution, options)
     signs = spectrum(state, floor, options.factor)
     shapes = modes_of(signs, state, MODES).shapes
-    X, reach = solution.coordinates, np.sqrt((shapes**2).sum(axis=2)).max(axis=1, initial=0.0)
+    X, moved = solution.coordinates, np.sqrt((shapes**2).sum(axis=2)).max(axis=1, initial=0.0)
     blur = state.norm / signs.softest * mechanics.frame.length if signs.softest > 0.0 else 0.0
     whole = size(X)
     return Shape(
         coordinates=X,
-        lengths=solution.lengths,
         energy=solution.energy,
         stability=told["stability"],
         smallest_stiffness=told["smallest_stiffness"],
         slack_count=int(state.slack.sum()),
         residual_relative=solution.relative,
-        modes=shapes / reach[:, None, None],
+        modes=shapes / moved[:, None, None],
         leeway=leeway_of(state, floor),
         within=min(max(SAME * whole, 4.0 * blur), COARSEST * whole),
         count=1,
