@@ -12,15 +12,15 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 1065,
+    "top": 1066,
     "analysis": 690,
-    "cli": 1781,
+    "cli": 1869,
     "mechanics": 930,
-    "report": 1330,
+    "report": 1430,
     "rivals": 720,
     "scene": 3440,
     "solvers": 2400,
-    "study": 1430,
+    "study": 2190,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""
 

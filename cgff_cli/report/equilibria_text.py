@@ -79,9 +79,8 @@ def _rows(entries: Entries) -> Iterator[Column]:
     yield column("starts", _of(entries, "count"))
     yield column("first", _of(entries, "first_start"))
     yield column("stability", _of(entries, "stability"), to_the_right=False)
-    yield column("softest", _of(entries, "smallest_stiffness"), "{:.3g}".format)
+    yield column("softest", _of(entries, "smallest_stiffness"), "{:#.3g}".format)
     yield column("slack", _of(entries, "slack_count"))
-    yield column("residual", _of(entries, "residual_relative"), "{:.1e}".format)
 
 
 def _kinds(entries: Entries) -> Iterator[Column]:
@@ -96,7 +95,7 @@ def _kinds(entries: Entries) -> Iterator[Column]:
     yield column("shapes", (shapes[own["kind"]] for own in firsts))
     yield column("starts", (starts[own["kind"]] for own in firsts))
     yield column("stability", _of(firsts, "stability"), to_the_right=False)
-    yield column("softest", _of(firsts, "smallest_stiffness"), "{:.3g}".format)
+    yield column("softest", _of(firsts, "smallest_stiffness"), "{:#.3g}".format)
     yield column("slack", _of(firsts, "slack_count"))
 
 

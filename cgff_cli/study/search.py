@@ -20,7 +20,7 @@ from cgff_cli.study.kinds import by_kind
 from cgff_cli.study.landscape import Equilibria, Landscape
 from cgff_cli.study.machine import done
 from cgff_cli.study.sameness import laid
-from cgff_cli.study.shapes import Shape, Shapes
+from cgff_cli.study.shapes import Shapes
 from cgff_cli.study.starts import along_modes, by_energy, random_start
 from cgff_cli.values import Rule
 
@@ -133,7 +133,9 @@ class Search:
             self.landscape.add(ended.found)
             found = self.landscape.shapes.found
             if self.watcher is not None:
-                self.watcher(f"{self.landscape.solved} of {self.starts} starts, {len(found)} equilibria")
+                self.watcher(
+                    f"{self.landscape.solved} of {self.starts} starts, distinct equilibria: {len(found)}"
+                )
 
     def _chunks(self, coordinates: Iterator[np.ndarray]) -> Iterator[Chunk]:
         first = self.landscape.solved
@@ -142,19 +144,16 @@ class Search:
             first += len(rows)
 
     def told(self, everything: bool) -> Equilibria:
-        """Return what was found, sorted: the best first, laid over the scene's start, the others over it."""
+        """Return what was found, by energy; free bodies laid over the first, that over the start."""
         found = [own for own in self.landscape.shapes if everything or own.stability == "stable"]
         kinds, found = by_kind(self.structure, found)
-        placed: list[Shape] = []
-        target = self.structure.coordinates
-        for own in found:
-            X = laid(own.coordinates, target, own.leeway)
-            X = np.where(self.structure.free, X, self.structure.coordinates)
-            target = target if placed else X
-            placed.append(replace(own, coordinates=X))
-        return Equilibria(
-            self.scene, self.options.seed, self.landscape, tuple(placed), tuple(kinds), self.is_interrupted
-        )
+        if self.structure.free.all():
+            target = self.structure.coordinates
+            for place, own in enumerate(found):
+                found[place] = replace(own, coordinates=laid(own.coordinates, target, own.leeway))
+                target = found[0].coordinates
+        told = self.scene, self.options.seed, self.landscape, tuple(found), tuple(kinds)
+        return Equilibria(*told, self.is_interrupted)
 
 
 def settled(scene: Scene, options: SolveOptions, everything: bool, chunk: Chunk) -> Landscape:

@@ -113,7 +113,7 @@ class Shapes:
         for number, X in answers:
             place = self.place(X)
             if place is None:
-                self.add(judged(replace(structure, coordinates=X), options, number))
+                self.add(shape_at(replace(structure, coordinates=X), options, number))
             else:
                 self.seen(place)
 
@@ -126,7 +126,7 @@ def _mixed(X: np.ndarray) -> float:
     return float((reach(X) * np.cos(np.arange(len(X)) ** 2.0)).mean())
 
 
-def judged(structure: Structure, options: SolveOptions, number: int) -> Shape:
+def shape_at(structure: Structure, options: SolveOptions, number: int) -> Shape:
     """Return the equilibrium at a structure's coordinates, refined and judged, as found from one start."""
     mechanics = Mechanics(structure)
     gauge = Gauge(mechanics)
