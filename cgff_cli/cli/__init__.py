@@ -23,7 +23,7 @@ COMMANDS = {
     "solve": "Find the equilibrium shape of each scene.",
     "compare": "Form-find scenes by CGFF and by other methods, side by side.",
     "bench": "Compare methods over many scenes.",
-    "equilibria": "Find the distinct stable equilibria of a scene, from many starts.",
+    "equilibria": "Find the stable equilibria of a scene.",
     "check": "Read and validate scenes without solving them.",
     "new": "Write a scene of a family: prisms, towers, polyhedra, nets, chains.",
 }

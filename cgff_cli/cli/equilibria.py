@@ -39,7 +39,7 @@ def _number(name: str, least: int, default: int, text: str) -> Any:
 @common.word_options
 @click.pass_context
 def command(ctx: click.Context, scene: str, output: str, output_format: str, **values: Any) -> None:
-    """Find the distinct stable equilibria of a scene.
+    """Find the stable equilibria of a scene.
 
     Half of the starts are the scene's own and random ones in a cube of its size about it; the other half
     goes along the softest motions of what these find. What is found is told best first; shapes that a
