@@ -25,7 +25,7 @@ COMMANDS = {
     "bench": "Compare methods over many scenes.",
     "equilibria": "Find the stable equilibria of a scene.",
     "check": "Read and validate scenes without solving them.",
-    "new": "Write a scene of a family: prisms, towers, polyhedra, nets, chains.",
+    "new": "Write a scene of a family: prisms, towers, nets and others.",
 }
 
 _EPILOG = """\b
