@@ -11,6 +11,7 @@ import cgff_cli
 from cgff_cli import equilibria
 from cgff_cli.report.json_out import pretty
 from cgff_cli.structure import from_scene
+from cgff_cli.study.starts import REACHES, along_modes, random_start, size_of_start
 from tests.bodies import forces_by_loop
 from tests.shapes import STRUCTURES, distance_difference, node_difference
 from tests.study.landscapes import as_struts, dome, kresling, row_of_trusses, tetrahedron, truss
@@ -144,6 +145,39 @@ def test_unstable_equilibria_are_left_along_their_modes_and_listed_when_asked_fo
     assert found.led_to("unstable") == sum(
         own["count"] for own in found.equilibria if own["stability"] == "unstable"
     )
+
+
+def test_only_stable_ones_are_listed_unless_asked_for_more():
+    found = equilibria(shipped("prism"), starts=40, objective="residual")
+    assert {own["stability"] for own in found.equilibria} == {"stable"}
+    assert found.led_to("unstable") > 0
+
+
+def test_shapes_that_are_near_each_other_are_two_all_the_same():
+    found = equilibria(truss(rise=1e-4), starts=20)
+    assert sorted(own.coordinates[2, 1] for own in found.shapes) == pytest.approx([-1e-4, 1e-4])
+
+
+def test_the_first_start_of_a_shape_leads_to_it_again():
+    scene = shipped("octahedron")
+    structure, found = from_scene(scene), equilibria(scene, starts=1000)
+    late = [own for own in found.shapes if 200 < own.first_start < 500]
+    assert late
+    for own in late:
+        start = random_start(structure, 0, own.first_start)
+        again = cgff_cli.solve_many(scene, coordinates=[start]).coordinates[0]
+        assert distance_difference(again, own.coordinates) < 1e-6
+
+
+def test_starts_along_a_mode_stand_to_either_side_of_the_shape():
+    up = equilibria(truss(load=1.0), starts=50).shapes[0]
+    starts = list(along_modes(from_scene(truss(load=1.0)), [up]))
+    assert len(starts) == 2 * len(REACHES) * len(up.modes)
+    assert len(up.modes) == 2  # the top has two directions
+    middle = 0.5 * (np.array(starts[::2]) + np.array(starts[1::2]))
+    assert np.abs(middle - up.coordinates).max() < 1e-12
+    moved = np.linalg.norm(starts - up.coordinates, axis=2).max(axis=1)
+    assert moved == pytest.approx(2 * [r * size_of_start(from_scene(truss())) for r in REACHES for _ in "+-"])
 
 
 def test_every_start_is_counted_once():
