@@ -32,8 +32,8 @@ SEARCH = {
 """What a search is asked for beside solve options, and what each may be."""
 
 CHUNK, CHUNK_ELEMENTS = 200, 6000
-"""Starts solved together: at most as many, and as many as have so many elements in all. With 50 a search takes
-twice as long, with 1000 a fourth less, and is heard of less often."""
+"""Starts solved together: at most as many, and as many as have so many elements in all. With 50 a search
+takes twice as long, with 1000 a fourth less, and is heard of less often."""
 
 Watcher = Callable[[str], None]
 """Called with words on how far a search is."""
