@@ -12,15 +12,15 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 1641,
+    "top": 1642,
     "analysis": 2124,
-    "cli": 1966,
+    "cli": 2054,
     "mechanics": 966,
-    "report": 1396,
+    "report": 1486,
     "rivals": 694,
     "scene": 3429,
     "solvers": 2417,
-    "study": 1353,
+    "study": 2118,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""
 

@@ -29,6 +29,8 @@ from cgff_cli.solvers.solution import COLUMNS
 from cgff_cli.solvers.stopping import Verdict
 from cgff_cli.study.judge import EVALUATIONS_PER_ITERATION
 from cgff_cli.study.scenes import SUMMARY
+from cgff_cli.study.shapes import SAME
+from cgff_cli.study.starts import REACHES
 from tests.pages import PAGES, README, ROOT, WORDS, Block, blocks, code_in, rows, section
 
 SHELL = [block.text for block in blocks("sh")]
@@ -263,6 +265,17 @@ def test_the_fields_of_a_comparison_are_those_of_the_program():
     for curve in ("curve", "shape_curve"):
         assert list(method[curve][0]) == meaning[curve]
     assert set(compared) - {"methods"} <= set(code_in(section("Comparisons").partition("|")[0]))
+
+
+def test_the_fields_of_equilibria_are_those_of_the_program():
+    found = cgff_cli.equilibria(ROOT / "structures" / "prism.yaml", starts=2).to_dict()
+    table = rows("Equilibria of a scene")
+    assert [name for row in table for name in code_in(row[0])] == list(found)
+    meaning = {row[0].strip("`"): code_in(row[1]) for row in table}
+    assert list(found["equilibria"][0]) == meaning["equilibria"]
+    told = section("Equilibria")
+    assert f"by {REACHES[0]} and {REACHES[1]} of the size" in told
+    assert f"to {SAME:.0e}".replace("e-0", "e-") in told
 
 
 def test_the_methods_of_a_comparison_are_those_of_the_program():

@@ -23,10 +23,11 @@ COMMANDS = {
     "solve": "Find the equilibrium shape of each scene.",
     "compare": "Form-find scenes by CGFF and by other methods, side by side.",
     "bench": "Compare methods over many scenes.",
+    "equilibria": "Find the stable equilibria of a scene.",
     "analyse": "Judge a shape as given: balance, states, mechanisms, stability.",
-    "check": "Read and validate scenes without solving them.",
     "prestress": "Find rest lengths that hold a geometry at its own coordinates.",
-    "new": "Write a scene of a family: prisms, towers, polyhedra, nets, chains.",
+    "check": "Read and validate scenes without solving them.",
+    "new": "Write a scene of a family: prisms, towers, nets and others.",
 }
 
 _EPILOG = """\b

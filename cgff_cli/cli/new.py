@@ -86,7 +86,7 @@ class _Families(LazyGroup):
 @click.group("new", cls=_Families, epilog=_EPILOG, subcommand_metavar="FAMILY [OPTIONS]")
 @word_options
 def command() -> None:
-    """Write a scene of a family: prisms, towers, polyhedra, nets, chains.
+    """Write a scene of a family: prisms, towers, nets and others.
 
     Each has a known equilibrium: its file tells the answer where that is in closed form. The same
     options give the same file. `cgff new FAMILY --help` lists the options of a family.

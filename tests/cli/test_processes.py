@@ -111,6 +111,21 @@ def test_ctrl_c_leaves_the_cases_already_measured(tmp_path: Path):
     assert [row["case"] for row in json.loads(out.read_text())["rows"]] == ["prism", "prism"]
 
 
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_ctrl_c_keeps_the_equilibria_found(tmp_path: Path, jobs: str):
+    out = tmp_path / "found.json"
+    arguments = [PRISM, "--starts", "10000000", "--jobs", jobs, "-o", str(out)]
+    code, words = _interrupt_when_shown(
+        [*CGFF, "equilibria", *arguments], b"of 10000000 starts, distinct equilibria: 1"
+    )
+    assert code == 130
+    assert b"interrupted after" in words
+    told = json.loads(out.read_text())
+    (only,) = told["equilibria"]
+    assert told["interrupted"] is True
+    assert 0 < only["count"] == told["starts"] < 10000000
+
+
 @pytest.mark.parametrize(
     ("arguments", "unwanted"),
     [
