@@ -123,9 +123,10 @@ class Search:
         )
 
     def solve(self, coordinates: Iterator[np.ndarray], most: int) -> None:
-        """Solve at most so many starts, in chunks; a few need no other processes."""
+        """Solve at most so many starts, in chunks; a process is worth starting for two."""
         chunks = self._chunks(islice(coordinates, 0 if self.is_interrupted else most))
-        for ended in done(chunks, self.work, processes=min(self.jobs, 1 + most // self.at_once)):
+        processes = max(1, min(self.jobs, most // (2 * self.at_once)))
+        for ended in done(chunks, self.work, processes=processes):
             if ended.is_interrupt:
                 self.is_interrupted = True
                 return
