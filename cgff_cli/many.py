@@ -91,7 +91,7 @@ def _solve_alone(answers: Solutions, row: int, structure: Structure, options: So
 
 def _values(scene: Scene, s: Structure, given: dict[str, object]) -> dict[str, np.ndarray]:
     """Return the numbers of all rows, the scene's own where none are given."""
-    EA = np.concatenate([group.EA for group in scene.groups])
+    EA = scene.axial_stiffness
     own = {"rest_lengths": s.rest_lengths, "EA": EA, "loads": s.loads, "coordinates": s.coordinates}
     may_be = {"rest_lengths": rules(scene.law)["rest_length"], "EA": rules(scene.law)["EA"]}
     arrays = {

@@ -199,7 +199,7 @@ class Result:
             "start": [source.node_names[row] for row in s.start[rows].tolist()],
             "end": [source.node_names[row] for row in s.end[rows].tolist()],
             "kind": [group.kind for group in groups],
-            "EA": source.stiffness[rows].tolist(),
+            "EA": source.axial_stiffness[rows].tolist(),
             "rest_length": s.rest_lengths[rows].tolist(),
             "length": self.lengths[rows].tolist(),
             "force": self.forces[rows].tolist(),

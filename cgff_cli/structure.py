@@ -68,7 +68,6 @@ def from_scene(scene: Scene) -> Structure:
     n, d = scene.coordinates.shape
     groups = scene.groups
     pairs = np.concatenate([group.pairs for group in groups]).T
-    EA = np.concatenate([group.EA for group in groups])
     rest_lengths = np.concatenate([group.rest_length for group in groups])
     cables = np.repeat([group.kind == "cable" for group in groups], [len(group.EA) for group in groups])
     free = np.ones((n, d), dtype=bool)
@@ -81,7 +80,7 @@ def from_scene(scene: Scene) -> Structure:
         coordinates=np.array(scene.coordinates, dtype=float),
         start=np.ascontiguousarray(pairs[0]),
         end=np.ascontiguousarray(pairs[1]),
-        stiffness=stiffness(scene.law, EA, rest_lengths),
+        stiffness=stiffness(scene.law, scene.axial_stiffness, rest_lengths),
         rest_lengths=rest_lengths,
         tension_only=cables,
         free=free,

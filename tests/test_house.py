@@ -12,15 +12,15 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 1642,
+    "top": 1641,
     "analysis": 2124,
     "cli": 2054,
     "mechanics": 966,
     "report": 1486,
     "rivals": 694,
-    "scene": 3429,
+    "scene": 3430,
     "solvers": 2417,
-    "study": 2118,
+    "study": 2119,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""
 

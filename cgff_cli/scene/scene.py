@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from math import isnan
 
 import numpy as np
 
@@ -70,7 +71,7 @@ class Scene:
         return np.repeat(np.arange(len(self.groups)), [len(group.EA) for group in self.groups])
 
     @cached_property
-    def stiffness(self) -> np.ndarray:
+    def axial_stiffness(self) -> np.ndarray:
         """(b,) EA of every element, in order of groups."""
         return np.concatenate([group.EA for group in self.groups])
 
@@ -82,7 +83,7 @@ class Scene:
     @property
     def is_geometry(self) -> bool:
         """Whether no group has rest lengths: a shape that `prestress` is to hold."""
-        return any(bool(np.isnan(group.rest_length).any()) for group in self.groups)
+        return any(isnan(own) for group in self.groups for own in group.rest_length[:1].tolist())
 
     def with_rest_lengths(self, rest_lengths: np.ndarray) -> "Scene":
         """Return the same scene with other rest lengths, (b,) in its element order, or OptionError."""
