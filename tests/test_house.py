@@ -18,7 +18,7 @@ BUDGET = {
     "mechanics": 966,
     "report": 1486,
     "rivals": 694,
-    "scene": 3430,
+    "scene": 3448,
     "solvers": 2417,
     "study": 2119,
 }
