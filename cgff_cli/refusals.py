@@ -88,7 +88,8 @@ def _in_groups(scene: Scene, rows: np.ndarray) -> str:
 
 def _loads(scene: Scene, answer: Answer) -> str:
     moved = np.zeros(0) if answer.motion is None else np.linalg.norm(answer.motion, axis=1)
-    most = [scene.node_names[row] for row in np.argsort(-moved.round(9), kind="stable")[:3].tolist()]
+    order = np.argsort(-moved.round(9), kind="stable")[:3].tolist()
+    most = [scene.node_names[row] for row in order if moved[row] >= 0.5 * moved[order[0]]]
     return (
         "no forces of the right signs bear the loads: there is a motion along which they do work, and no "
         f"cable is lengthened nor strut shortened; it moves {first_few(most)} the most"

@@ -12,7 +12,7 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 1641,
+    "top": 1642,
     "analysis": 2124,
     "cli": 2054,
     "mechanics": 966,

@@ -57,4 +57,4 @@ def by_nodes(state: State, shapes: np.ndarray) -> np.ndarray:
         flat = shape.reshape(-1)
         size = np.abs(flat)
         shape *= np.sign(flat[np.argmax(size >= NEARLY * size.max())]) or 1.0
-    return full
+    return full + 0.0  # no zero has a sign

@@ -202,4 +202,4 @@ def _blame(answer: Answer, balance: SelfStress, signs: np.ndarray) -> None:
     free = answer.structure.free
     motion = np.zeros(free.T.size)
     motion[free.T.reshape(-1)] = found.motion
-    answer.motion = motion.reshape(free.T.shape).T
+    answer.motion = motion.reshape(free.T.shape).T + 0.0  # no zero has a sign

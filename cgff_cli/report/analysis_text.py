@@ -102,10 +102,10 @@ def _sensitivity(found: Analysis, of: str, own: Sensitivity, full: bool) -> Iter
         yield fields([(f"per unit of {clean(of)}", reason)])
         return
     names, size = found.result.source.node_names, np.linalg.norm(X, axis=1)
-    order = np.argsort(
-        -(size / (size.max() or 1.0)).round(6), kind="stable"
-    )  # equal but for rounding: in order
-    most = order[: len(names) if full else 3].tolist()
+    shares = (size / (size.max() or 1.0)).round(6)  # what is equal but for rounding stays in order
+    order = np.argsort(-shares, kind="stable")
+    most = [row for row in order[: len(names) if full else 3].tolist() if size[row] > 0.0]
     moved = ", ".join(f"{clean(names[row])} {number(size[row])}" for row in most)
-    yield fields([(f"per unit of {clean(of)}", f"nodes move, most of all {moved}; forces change")])
+    moves = f"nodes move, most of all {moved}" if most else "no node moves"
+    yield fields([(f"per unit of {clean(of)}", f"{moves}; forces change")])
     yield changes_table(found.result, t)

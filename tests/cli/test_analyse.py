@@ -219,3 +219,10 @@ def test_a_result_is_no_scene_to_solve(run: Run, solved: str):
     ended = run("solve", solved)
     assert ended.exit_code == 3
     assert "unknown key" in ended.stderr
+
+
+def test_the_page_of_a_sensitivity_names_no_node_that_stays(run: Run):
+    assert run("solve", "bracket.yaml", "-o", "bracket.json").exit_code == 0
+    page = run("analyse", "bracket.json", "--sensitivity", "tie", "--format", "table").stdout
+    assert "nodes move, most of all tip 1.8375; forces change" in " ".join(page.split())
+    assert "-0.0" not in run("analyse", "bracket.json").stdout.partition('"modes"')[2]

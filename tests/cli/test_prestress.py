@@ -118,3 +118,17 @@ def test_an_element_without_length_is_told_at_its_place(shape):
 def test_loads_and_supports_stay_in_the_scene(shape):
     again = cgff_cli.loads(run(shape(truss(3, 2.0))).stdout)
     assert (len(again.loads), again.supports) == (3, {0: "xy", 1: "xy"})
+
+
+def test_the_motion_that_proves_names_no_node_that_stays(shape):
+    pushed_up = {
+        "law": "paper",
+        "nodes": {"l": [0, 0], "m": [1, -0.2], "r": [2, 0]},
+        "elements": {"c": {"kind": "cable", "EA": 1000, "pairs": [["l", "m"], ["m", "r"]]}},
+        "supports": {"l": "xy", "r": "xy"},
+        "loads": {"m": [0.5, 1]},
+    }
+    result = run(shape(cgff_cli.from_dict(pushed_up)), "--format", "json")
+    assert "it moves 'm' the most" in result.stderr
+    assert json.loads(result.stdout)["certificate"] == {"l": [0.0, 0.0], "m": [0.0, -1.0], "r": [0.0, 0.0]}
+    assert "-0.0" not in result.stdout
