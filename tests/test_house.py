@@ -13,7 +13,7 @@ MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
     "top": 1684,
-    "analysis": 2180,
+    "analysis": 2181,
     "cli": 2059,
     "mechanics": 966,
     "report": 1487,

@@ -480,3 +480,14 @@ def test_a_soft_shape_in_balance_to_rounding_is_judged():
 def test_a_load_on_a_held_node_is_not_said_to_be_borne():
     scene = replace(x_module(((0, 0), (1, 0), (0.3, 0.3), (0, 1))), supports={0: "xy"}, loads={0: (1.0, 0.0)})
     assert cgff_cli.prestress(scene).reason.startswith("no self-stress has the right signs in all 6")
+
+
+def test_a_force_that_loads_fix_decides_no_other_by_rounding():
+    found = cgff_cli.prestress(beside_a_hanging_cable())
+    assert found.forces[:4] == pytest.approx([0.05] * 4, rel=1e-7)
+
+
+@pytest.mark.parametrize("tolerance", [0.1, 0.3, 0.99])
+def test_no_tolerance_is_too_large_to_look_for_symmetries(tolerance):
+    found = cgff_cli.prestress(solid("octahedron"), by_symmetry=True, tolerance=tolerance)
+    assert found.feasible is not None
