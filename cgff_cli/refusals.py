@@ -12,7 +12,7 @@ from cgff_cli.result import Result
 from cgff_cli.scene.findings import first_few, quoted
 from cgff_cli.scene.scene import Scene
 
-UNSURE = ("undecided", "inexact", "short", "blurred")
+UNSURE = ("undecided", "inexact", "blurred")
 """Why an answer may lack a self-stress without proof that there is none."""
 
 EXTREME = "scale or shape may be too extreme for double precision"
@@ -33,7 +33,6 @@ def refusal(scene: Scene, answer: Answer, asked: Mapping[str, Any]) -> str:
         "rest_length": _rest_length(scene, answer),
         "force": _force(answer, asked),
         "inexact": _inexact(answer, asked),
-        "short": _force(answer, asked),
         "blurred": "rounding decides: some rest lengths are so near the lengths that double precision does "
         "not hold these forces; raise the force, or lower EA",
         "undecided": _undecided(asked["tolerance"] > LEAST_TOLERANCE),
@@ -138,12 +137,10 @@ def _rest_length(scene: Scene, answer: Answer) -> str:
 def _force(answer: Answer, asked: Mapping[str, Any]) -> str:
     (name, value), *_ = asked["force"].items() or [("", 0.0)]
     reached = answer.force_reached or 0.0
-    if answer.why == "short":
-        found = f"no more than {reached:.6g} was found for {quoted(name)}"
-        return f"with these loads {found}, short of {abs(value):g}"
-    least = "at least " if reached > abs(value) and answer.states else ""
+    edge = "at least" if reached > abs(value) else "at most"
+    edge = f"{edge} " if answer.states else ""
     return (
-        f"with these loads the greatest force in {quoted(name)} is {least}{reached:.6g}, "
+        f"with these loads the greatest force in {quoted(name)} is {edge}{reached:.6g}, "
         f"and no self-stress makes it {abs(value):g}"
     )
 

@@ -12,8 +12,8 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 1684,
-    "analysis": 2181,
+    "top": 1681,
+    "analysis": 2207,
     "cli": 2059,
     "mechanics": 966,
     "report": 1487,

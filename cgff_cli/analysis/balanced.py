@@ -58,6 +58,31 @@ def least_limit(balance: SelfStress, signs: np.ndarray, most: np.ndarray) -> flo
     return None if found.x is None else float(found.fun) * size / scale
 
 
+def most_of(balance: SelfStress, signs: np.ndarray, most: np.ndarray, asked: np.ndarray) -> np.ndarray:
+    """Return an x, no sign wrong, in which a class asked for exceeds `most`, or comes nearest to it."""
+    from scipy.optimize import linprog
+    from scipy.sparse import csc_array, diags_array
+
+    solve: Any = linprog  # whose types know no sparse matrix
+    unit = float(most[asked].max())
+    columns, F = csc_array(balance.A) @ diags_array(balance.size), balance.F / unit
+    tops = np.where(asked, 2.0 * most / unit, np.inf)
+    bounds = [(0.0, top) if sign > 0.0 else (-top, 0.0) for sign, top in zip(signs, tops, strict=True)]
+    best, reached = np.zeros(len(signs)), -1.0
+    for row in np.flatnonzero(asked):
+        cost = np.where(np.arange(len(signs)) == row, -signs, 0.0)
+        found = solve(cost, A_eq=columns, b_eq=F, bounds=bounds, method="highs").x
+        if found is not None and abs(found[row]) * unit / most[row] > reached:
+            best, reached = found, abs(found[row]) * unit / most[row]
+        if reached >= 1.0 + TOLD_BY_HIGHS:
+            break
+    return balance.nearest(best * unit * balance.size, balance.F)
+
+
+TOLD_BY_HIGHS = 1e-6
+"""What the bounds and equations of HiGHS leave open, and more."""
+
+
 def _dense(
     N: np.ndarray,
     offset: np.ndarray,

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from cgff_cli.analysis.balanced import balanced, least_limit
+from cgff_cli.analysis.balanced import balanced, least_limit, most_of
 from cgff_cli.analysis.blame import blamed
 from cgff_cli.analysis.near_shape import near_shape
 from cgff_cli.analysis.nulls import DENSE
@@ -87,7 +87,7 @@ class Answer:
     why           : "" where feasible, else: no_state, no_group_state, no self-stress at all, or none of
                     shared values; signs, none of the right ones; loads, none that bears them; rest_length,
                     none above 0; force, no such greatest one under the loads; inexact, none but to the
-                    tolerance; short, none such was found; blurred, undecided: rounding decides
+                    tolerance; blurred, undecided: rounding decides
     states, group_states, mechanisms : counts, None where not told; group_states of shared values
     gap, softest  : least singular value kept over the greatest left out; the least of all
     never, idle   : bool      motion : (n, d), what proves who is to blame, or None
@@ -196,11 +196,14 @@ def _raised(
     if not balance.idle()[asked].all():
         far = balanced(balance, signs, 2.0 * most, asked)
     reached = _sizes(balance, far)
+    if far is not x and not (asked & (reached >= most)).any():
+        far = most_of(balance, signs, most, asked)
+        reached = _sizes(balance, far)
     passing = asked & (reached >= most) & (signs * far > 0.0)
     if passing.any():
-        return x + (far - x) * float(((most - values) / (reached - values))[passing].min())
-    answer.why = "force" if far is x else "short"
-    answer.force_reached = question.force * float((np.maximum(reached, values) / most).max())
+        return x + (far - x) * float(((most - values)[passing] / (reached - values)[passing]).min())
+    share = float((np.maximum(reached, values) / most).max())
+    answer.why, answer.force_reached = "force", question.force * share
     return None
 
 
@@ -211,16 +214,14 @@ def _is_signed(balance: SelfStress, x: np.ndarray, signs: np.ndarray) -> bool:
 
 def _realise(question: Question, answer: Answer, balance: SelfStress, x: np.ndarray) -> None:
     """Set the forces of x, to the level asked for, and what follows from them."""
-    state, tolerant = balance.state, question.tolerance > LEAST_TOLERANCE
-    frame = state.mechanics.frame
-    if tolerant:
+    state, frame = balance.state, balance.state.mechanics.frame
+    if question.tolerance > LEAST_TOLERANCE:
         X = frame.centre + state.mechanics.shape(state.X)
         there = replace(question.structure, coordinates=X, rest_lengths=state.l * frame.length)
         question = replace(question, structure=there)
     s, t = question.structure, balance.forces(x) * frame.force
-    level = float((question.limits / np.abs(t)).min())
     if not balance.is_loaded:
-        t = t * level
+        t = t * float((question.limits / np.abs(t)).min())
     answer.coordinates, answer.forces, answer.force_densities = s.coordinates, t, t / s.rest_lengths
     answer.rest_lengths = question.rest_lengths(s.rest_lengths, t)
     if np.isnan(answer.rest_lengths).any():

@@ -433,7 +433,23 @@ def test_beside_what_loads_fix_a_force_is_still_what_is_asked_for(monkeypatch, i
     assert found.forces[4:] == pytest.approx([-2.0] * 2 + [0.05 * sqrt(2)] * 2, rel=1e-7)
     assert found.stability == "stable"
     found = cgff_cli.prestress(beside_a_hanging_cable(), force={"hung": 2.0})
-    assert (found.feasible, "is 0.0707107, and no self-stress makes it 2" in found.reason) == (False, True)
+    assert (found.feasible, "is at most 0.0707107, and no self-stress makes it 2" in found.reason) == (
+        False,
+        True,
+    )
+
+
+def test_a_force_is_met_also_where_loads_fix_others_of_its_group():
+    scene = beside_a_hanging_cable()
+    ring, struts, hanging = scene.groups
+    both = replace(
+        ring,
+        pairs=np.concatenate((ring.pairs, hanging.pairs)),
+        EA=np.full(6, 1e3),
+        rest_length=np.full(6, np.nan),
+    )
+    found = cgff_cli.prestress(replace(scene, groups=(both, struts)), force={"ring": 2.0})
+    assert found.forces[:6] == pytest.approx([2.0] * 4 + [0.05 * sqrt(2)] * 2, rel=1e-6)
 
 
 def test_a_force_copied_from_a_page_is_the_force_that_loads_fix():
