@@ -138,15 +138,18 @@ def analyse(
         solution = _judged(replace(scene.solution, tolerance=options.tolerance))
     else:
         source, options = scene, DEFAULTS.merged({**scene.solver, **changes})
-        solution = _as_given(scene, options.tolerance)
+        solution = unmoved(scene, options.tolerance)
     given = Given(source, solution, options, modes)
     of = (sensitivity,) if isinstance(sensitivity, str) else sensitivity
     found = {name: given.sensitivity(name) for name in of}
     return Analysis(Result(source, solution.mechanics.structure, options, solution, 0.0), given, found)
 
 
-def _as_given(scene: Scene, tolerance: float) -> Solution:
-    """Return a scene's own coordinates as the outcome of a run without steps."""
+def unmoved(scene: Scene, tolerance: float) -> Solution:
+    """Return a scene's own coordinates as the outcome of a run without steps.
+
+    Raises SceneError for elements of no length.
+    """
     vectors = scene.coordinates[(pairs := all_pairs(scene.groups))[:, 0]] - scene.coordinates[pairs[:, 1]]
     lengths = np.linalg.norm(vectors, axis=1)
     if scene.is_geometry:

@@ -1,15 +1,23 @@
-"""Why a shape cannot be prestressed, in words that help."""
+"""Why a shape cannot be prestressed, and what to look at twice where it can, in words that help."""
 
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from cgff_cli.analysis.equilibrium import labels
-from cgff_cli.analysis.prestress import Answer
+from cgff_cli.analysis.equilibrium import STABILITY_WORDS, labels
+from cgff_cli.analysis.prestress import STRAIN, Answer
 from cgff_cli.analysis.ranks import LEAST_TOLERANCE
+from cgff_cli.result import Result
 from cgff_cli.scene.findings import first_few, quoted
 from cgff_cli.scene.scene import Scene
+
+UNSURE = ("undecided", "inexact", "blurred")
+"""Why an answer may lack a self-stress without proof that there is none."""
+
+EXTREME = "scale or shape may be too extreme for double precision"
+STILL = 1e-9
+"""Share of the greatest motion of a node below which a node is not said to move."""
 
 ROUNDED = 1e-2
 """Least singular value below which coordinates may have been rounded, or measured."""
@@ -20,15 +28,24 @@ def refusal(scene: Scene, answer: Answer, asked: Mapping[str, Any]) -> str:
     said = {
         "no_state": _no_state(answer, asked),
         "no_group_state": _no_group_state(answer, asked),
-        "signs": _signs(scene, answer),
-        "loads": _loads(scene, answer),
+        "signs": _signs(scene, answer, asked),
+        "loads": _loads(scene, answer, asked),
         "rest_length": _rest_length(scene, answer),
         "force": _force(answer, asked),
         "inexact": _inexact(answer, asked),
-        "undecided": "rounding decides: neither a self-stress of the right signs was found nor a proof that "
-        "there is none; scale or shape may be too extreme for double precision",
+        "blurred": "rounding decides: some rest lengths are so near the lengths that double precision does "
+        "not hold these forces; raise the force, or lower EA",
+        "undecided": _undecided(asked["tolerance"] > LEAST_TOLERANCE),
     }
     return said[answer.why]
+
+
+def _undecided(is_tolerant: bool) -> str:
+    decides, advice = ("the tolerance", "try a smaller one") if is_tolerant else ("rounding", EXTREME)
+    return (
+        f"{decides} decides: neither a self-stress of the right signs was found nor a proof that there is "
+        f"none; {advice}"
+    )
 
 
 def _count(number: int | None, noun: str) -> str:
@@ -63,20 +80,21 @@ def _no_group_state(answer: Answer, asked: Mapping[str, Any]) -> str:
     return f"no self-stress has {_shared(asked)}; without that there is {states}{_rounded(answer)}"
 
 
-def _signs(scene: Scene, answer: Answer) -> str:
+def _signs(scene: Scene, answer: Answer, asked: Mapping[str, Any]) -> str:
     never, idle = np.flatnonzero(answer.never), np.flatnonzero(answer.idle)
     wrong = np.setdiff1d(never, idle)
     own = f" ({first_few(labels(scene, wrong))})" if len(wrong) else ""
     told = [f"{len(wrong)} can carry force, but never of their sign{own}"] if len(wrong) else []
     told += [f"{len(idle)} carry none in any state ({first_few(labels(scene, idle))})"] if len(idle) else []
-    what = (
-        "no forces of the right signs bear the loads" if scene.loads else "no self-stress has the right signs"
-    )
-    return f"{what} in all {len(answer.never)} elements: {'; '.join(told)}; {_in_groups(scene, never)}"
+    shared = f" with {_shared(asked)}" if asked["by_group"] or asked["by_symmetry"] else ""
+    is_loaded = bool(answer.structure.loads[answer.structure.free].any())
+    does = "bears the loads with the right signs" if is_loaded else "has the right signs"
+    what = f"no self-stress{shared} {does} in all {len(answer.never)} elements"
+    return f"{what}: {'; '.join(told)}; {_in_groups(scene, never)}"
 
 
 def _in_groups(scene: Scene, rows: np.ndarray) -> str:
-    owners = np.repeat(np.arange(len(scene.groups)), [len(group.EA) for group in scene.groups])
+    owners = scene.owners
     counts = np.bincount(owners[rows], minlength=len(scene.groups))
     parts = [
         f"{counts[i]} of {len(group.EA)} in {quoted(group.name)}"
@@ -86,13 +104,20 @@ def _in_groups(scene: Scene, rows: np.ndarray) -> str:
     return f"by group: {', '.join(parts)}"
 
 
-def _loads(scene: Scene, answer: Answer) -> str:
+def _loads(scene: Scene, answer: Answer, asked: Mapping[str, Any]) -> str:
     moved = np.zeros(0) if answer.motion is None else np.linalg.norm(answer.motion, axis=1)
-    order = np.argsort(-moved.round(9), kind="stable")[:3].tolist()
-    most = [scene.node_names[row] for row in order if moved[row] >= 0.5 * moved[order[0]]]
+    order = np.argsort(-moved.round(9), kind="stable")[:3]
+    most = [scene.node_names[row] for row in order[moved[order] > STILL * moved.max(initial=0.0)].tolist()]
+    if asked["by_group"] or asked["by_symmetry"]:
+        what = f"no forces of the right signs with {_shared(asked)} bear the loads"
+        how = "all cables that share a value are together not lengthened, nor such struts shortened"
+    else:
+        what, how = (
+            "no forces of the right signs bear the loads",
+            "no cable is lengthened nor strut shortened",
+        )
     return (
-        "no forces of the right signs bear the loads: there is a motion along which they do work, and no "
-        f"cable is lengthened nor strut shortened; it moves {first_few(most)} the most"
+        f"{what}: there is a motion along which they do work, and {how}; it moves {first_few(most)} the most"
     )
 
 
@@ -100,7 +125,7 @@ def _rest_length(scene: Scene, answer: Answer) -> str:
     if answer.rest_lengths is None:
         return ""
     rows = np.flatnonzero(np.isnan(answer.rest_lengths))
-    EA = np.concatenate([group.EA for group in scene.groups])
+    EA = scene.axial_stiffness
     named = quoted(labels(scene, rows[:1])[0]) if len(rows) else ""
     first = int(rows[0]) if len(rows) else 0
     return (
@@ -111,8 +136,11 @@ def _rest_length(scene: Scene, answer: Answer) -> str:
 
 def _force(answer: Answer, asked: Mapping[str, Any]) -> str:
     (name, value), *_ = asked["force"].items() or [("", 0.0)]
+    reached = answer.force_reached or 0.0
+    edge = "at least" if reached > abs(value) else "at most"
+    edge = f"{edge} " if answer.states else ""
     return (
-        f"with these loads the greatest force in {quoted(name)} is {answer.force_reached or 0.0:.6g}, "
+        f"with these loads the greatest force in {quoted(name)} is {edge}{reached:.6g}, "
         f"and no self-stress makes it {abs(value):g}"
     )
 
@@ -127,3 +155,24 @@ def _inexact(answer: Answer, asked: Mapping[str, Any]) -> str:
         f"these coordinates balance a self-stress only to {answer.left_over:.1e} of its forces: they were "
         "rounded; a tolerance of 1e-8 moves them to where it balances"
     )
+
+
+def second_looks(answer: Answer, result: Result) -> tuple[str, ...]:
+    """Return what deserves a second look in the level and in the stability found, and why that is null."""
+    stability, reasons = result.analysis["stability"], result.analysis["reason"]
+    said = [] if result.converged else [f"the forces balance only to {result.residual['relative']:.1e}"]
+    said += [f"{name}: {reasons[name]}" for name in ("stability", "super_stable") if name in reasons]
+    if answer.strain_needed is not None:
+        members = "cables" if answer.structure.tension_only.any() else "struts"
+        said.append(
+            f"the loads alone strain {members} by {answer.strain_needed:.3g}, more than the {STRAIN:g} that "
+            "prestress aims at; raise EA, or give a force"
+        )
+    if stability == "unstable":
+        said.append(
+            "unstable: this self-stress balances but holds nothing: the least disturbance makes the "
+            "structure leave this shape; try other states, members or supports"
+        )
+    elif stability in STABILITY_WORDS:
+        said.append(STABILITY_WORDS[stability])
+    return tuple(said)

@@ -8,13 +8,15 @@ import numpy as np
 
 from cgff_cli import TOOL, pipeline
 from cgff_cli.analysis import measures
-from cgff_cli.analysis.equilibrium import STABILITY_WORDS, labels
+from cgff_cli.analysis.equilibrium import labels
 from cgff_cli.analysis.orbits import ALIKE, orbits
-from cgff_cli.analysis.prestress import STRAIN, Answer, Question, prestressed
+from cgff_cli.analysis.prestress import Answer, Question, prestressed
 from cgff_cli.analysis.ranks import LEAST_TOLERANCE
+from cgff_cli.as_given import unmoved
 from cgff_cli.errors import OptionError, Problem, SceneError
 from cgff_cli.hints import meant_or_all
-from cgff_cli.refusals import refusal
+from cgff_cli.options import DEFAULTS
+from cgff_cli.refusals import UNSURE, refusal, second_looks
 from cgff_cli.result import Result
 from cgff_cli.scene.scene import Scene
 from cgff_cli.structure import Structure, from_scene
@@ -22,9 +24,6 @@ from cgff_cli.values import Rule
 
 TOLERABLE = Rule(kind=float, positive=True, below=1.0)
 FORCE = Rule(kind=float, largest=1e30)
-
-JUDGED: dict[str, Any] = {"objective": "residual", "max_iterations": 0, "analysis": "always"}
-"""Solve options that leave a scene where it is, be it unstable, and tell all of it."""
 
 _ALIKE = 1e-14  # rest lengths of a group this near, relatively, are one and its rounding
 
@@ -97,7 +96,7 @@ def prestress(
         scene = load(scene)
     asked = _checked(scene, by_group, by_symmetry, equal, force, tolerance)
     structure = _at_rest(scene)
-    owners = np.repeat(np.arange(len(scene.groups)), [len(group.EA) for group in scene.groups])
+    owners = scene.owners
     classes = owners if by_group else None
     if by_symmetry:
         classes = orbits(structure, max(ALIKE, asked["tolerance"]))
@@ -105,7 +104,7 @@ def prestress(
     members, value = None, 0.0
     for name, number in asked["force"].items():
         members, value = owners == names.index(name), abs(number)
-    EA = np.concatenate([group.EA for group in scene.groups])
+    EA = scene.axial_stiffness
     shared = (classes, equal == "force", members, value, asked["tolerance"])
     return _told(scene, asked, prestressed(Question(structure, EA, scene.law, *shared)))
 
@@ -113,9 +112,9 @@ def prestress(
 def _told(source: Scene, asked: dict[str, Any], answer: Answer) -> Prestressed:
     """Return an answer with names, and the judgement of the scene that it makes."""
     scene = _held(source, answer, asked["tolerance"] > LEAST_TOLERANCE)
-    result = None if scene is None else pipeline.solve(scene, **JUDGED)
+    result = None if scene is None else _result(scene)
     analysis = {} if result is None else result.analysis
-    said = () if result is None else _warnings(answer, result)
+    said = () if result is None else second_looks(answer, result)
     is_moved = scene is not None and scene.coordinates is not source.coordinates
     motion = None if answer.motion is None else answer.motion.tolist()
     return Prestressed(
@@ -123,7 +122,7 @@ def _told(source: Scene, asked: dict[str, Any], answer: Answer) -> Prestressed:
         options=asked,
         scene=scene,
         result=result,
-        feasible=None if answer.why in ("undecided", "inexact") else not answer.why,
+        feasible=None if answer.why in UNSURE else not answer.why,
         reason=refusal(source, answer, asked) if answer.why else None,
         warnings=source.warnings + said,
         self_stress_states=answer.states,
@@ -141,6 +140,13 @@ def _told(source: Scene, asked: dict[str, Any], answer: Answer) -> Prestressed:
         forces=None if result is None else answer.forces,
         rest_lengths=None if result is None else result.structure.rest_lengths,
     )
+
+
+def _result(scene: Scene) -> Result:
+    """Return a scene as it is, be it unstable, as a result with all that can be told of it."""
+    solution = unmoved(scene, DEFAULTS.merged(scene.solver).tolerance)
+    structure = solution.mechanics.structure
+    return pipeline.analysed_in_full(Result(scene, structure, DEFAULTS, solution, 0.0))
 
 
 def _held(source: Scene, answer: Answer, moved: bool) -> Scene | None:
@@ -171,26 +177,6 @@ def _groups(result: Result, answer: Answer) -> dict[str, dict[str, Any]]:
         group.name: {"count": count, **{name: spans[name][i] for name in spans}}
         for i, (group, count) in enumerate(zip(result.source.groups, counts, strict=True))
     }
-
-
-def _warnings(answer: Answer, result: Result) -> tuple[str, ...]:
-    """Return what deserves a second look in the level and in the stability found, and why that is null."""
-    stability, reasons = result.analysis["stability"], result.analysis["reason"]
-    said = [] if result.converged else [f"the forces balance only to {result.residual['relative']:.1e}"]
-    said += [f"{name} {reasons[name]}" for name in ("stability", "super_stable") if name in reasons]
-    if answer.strain_needed is not None:
-        said.append(
-            f"the loads alone strain cables by {answer.strain_needed:.3g}, more than the {STRAIN:g} that "
-            "prestress aims at; raise EA, or give a force"
-        )
-    if stability == "unstable":
-        said.append(
-            "unstable: this self-stress balances but holds nothing: the least disturbance makes the "
-            "structure leave this shape; try other states, members or supports"
-        )
-    elif stability in STABILITY_WORDS:
-        said.append(STABILITY_WORDS[stability])
-    return tuple(said)
 
 
 def _checked(

@@ -12,15 +12,15 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 1642,
-    "analysis": 2124,
-    "cli": 2054,
+    "top": 1680,
+    "analysis": 2207,
+    "cli": 2059,
     "mechanics": 966,
-    "report": 1486,
+    "report": 1487,
     "rivals": 694,
     "scene": 3448,
     "solvers": 2417,
-    "study": 2119,
+    "study": 2125,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""
 

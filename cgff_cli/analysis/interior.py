@@ -13,7 +13,7 @@ import numpy as np
 from cgff_cli.mechanics.norms import largest
 
 MOST_NEWTON_STEPS = 100
-GAP = 1e-14
+GAP = 1e-18
 """Mean product of slack and multiplier, in units of the problem, at which bounds are met or are not."""
 
 LEFT_OVER = 1e-9

@@ -39,7 +39,8 @@ class _Symmetries:
         X = structure.coordinates - structure.coordinates.mean(axis=0)
         X = X / (norm(np.ptp(X, axis=0)) or 1.0)
         _, values, axes = np.linalg.svd(X, full_matrices=False)
-        self.axes = axes[values > self.room * np.sqrt(len(X))]  # what is flat stays in its plane
+        flat = min(self.room * np.sqrt(len(X)), 0.5 * values[0])  # of the widest axis never
+        self.axes = axes[values > flat]  # what is flat stays in its plane
         self.Y = X @ self.axes.T
         self.held = np.where(structure.free, 0.0, 1.0)
         self.loads = structure.loads / (largest(structure.loads) or 1.0)

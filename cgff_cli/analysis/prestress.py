@@ -4,13 +4,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from cgff_cli.analysis.balanced import balanced, least_limit
+from cgff_cli.analysis.balanced import balanced, least_limit, most_of
 from cgff_cli.analysis.blame import blamed
 from cgff_cli.analysis.near_shape import near_shape
 from cgff_cli.analysis.nulls import DENSE
 from cgff_cli.analysis.ranks import LEAST_TOLERANCE
 from cgff_cli.analysis.self_stress import SelfStress
 from cgff_cli.errors import OptionError
+from cgff_cli.mechanics.elements import EPS
 from cgff_cli.mechanics.norms import largest
 from cgff_cli.mechanics.state import Mechanics
 from cgff_cli.structure import Structure
@@ -20,6 +21,12 @@ STRAIN = 0.01
 
 SIGNED = 1e-9
 """Share of the greatest force density, or force where that is shared, below which a sign is rounding."""
+
+SAME_FORCE = 1e-5
+"""Relative difference within which a force is what was asked for: the digits that a page shows."""
+
+LEAST_STRAIN = 4.0 * EPS
+"""Strain below which a rest length, as a double, does not tell the force it is for."""
 
 IN_BALANCE = 3e-11
 """What may be left of forces out of balance, relative to all forces."""
@@ -55,6 +62,12 @@ class Question:
         stretched = self.EA * (s.rest_lengths / (1.0 + strain) if self.law == "paper" else 1.0)
         return np.where(cables | (not cables.any()), STRAIN * stretched, np.inf)
 
+    def strain_at(self, times: float) -> float:
+        """Return the size of strain at `times` the force of STRAIN; infinity where l0 would be 0."""
+        strain = STRAIN if self.structure.tension_only.any() else -STRAIN
+        left = 1.0 + strain * (1.0 - times) if self.law == "paper" else 1.0
+        return STRAIN * times / left if left > 0.0 else np.inf
+
     def rest_lengths(self, l: np.ndarray, t: np.ndarray) -> np.ndarray:
         """Return (b,) l0 at which lengths l give forces t; NaN where none does, or none above 0.
 
@@ -74,7 +87,7 @@ class Answer:
     why           : "" where feasible, else: no_state, no_group_state, no self-stress at all, or none of
                     shared values; signs, none of the right ones; loads, none that bears them; rest_length,
                     none above 0; force, no such greatest one under the loads; inexact, none but to the
-                    tolerance; undecided, rounding decides
+                    tolerance; blurred, undecided: rounding decides
     states, group_states, mechanisms : counts, None where not told; group_states of shared values
     gap, softest  : least singular value kept over the greatest left out; the least of all
     never, idle   : bool      motion : (n, d), what proves who is to blame, or None
@@ -150,13 +163,48 @@ def _best(question: Question, answer: Answer, balance: SelfStress, signs: np.nda
         need = least_limit(balance, signs, most)
         if need is None:
             return None
-        if need > 1.0 and question.members is not None:
+        if need > 1.0 + SAME_FORCE and question.members is not None:
             answer.why, answer.force_reached = "force", need * question.force
             return None
-        if need > 1.0:
-            answer.strain_needed = STRAIN * need
+        if question.members is not None:
+            most = most * max(1.0, need * (1.0 + SAME_FORCE))
+        elif need > 1.0:
+            answer.strain_needed = question.strain_at(need)
             most = most * (2.0 * need)
-    return balanced(balance, signs, most)
+    x = balanced(balance, signs, most)
+    if balance.is_loaded and question.members is not None:
+        return _raised(question, answer, balance, signs, most, x)
+    return x
+
+
+def _sizes(balance: SelfStress, x: np.ndarray) -> np.ndarray:
+    return np.abs(x / balance.size)
+
+
+def _raised(
+    question: Question,
+    answer: Answer,
+    balance: SelfStress,
+    signs: np.ndarray,
+    most: np.ndarray,
+    x: np.ndarray,
+) -> np.ndarray | None:
+    """Return x, moved towards what does the most for the members asked for, as far as their force asks."""
+    asked, values, far = np.isfinite(most), _sizes(balance, x), x
+    if (values * (1.0 + 2.0 * SAME_FORCE) >= most).any():
+        return x
+    if not balance.idle()[asked].all():
+        far = balanced(balance, signs, 2.0 * most, asked)
+    reached = _sizes(balance, far)
+    if far is not x and not (asked & (reached >= most)).any():
+        far = most_of(balance, signs, most, asked)
+        reached = _sizes(balance, far)
+    passing = asked & (reached >= most) & (signs * far > 0.0)
+    if passing.any():
+        return x + (far - x) * float(((most - values)[passing] / (reached - values)[passing]).min())
+    share = float((np.maximum(reached, values) / most).max())
+    answer.why, answer.force_reached = "force", question.force * share
+    return None
 
 
 def _is_signed(balance: SelfStress, x: np.ndarray, signs: np.ndarray) -> bool:
@@ -166,23 +214,20 @@ def _is_signed(balance: SelfStress, x: np.ndarray, signs: np.ndarray) -> bool:
 
 def _realise(question: Question, answer: Answer, balance: SelfStress, x: np.ndarray) -> None:
     """Set the forces of x, to the level asked for, and what follows from them."""
-    state, tolerant = balance.state, question.tolerance > LEAST_TOLERANCE
-    frame = state.mechanics.frame
-    if tolerant:
+    state, frame = balance.state, balance.state.mechanics.frame
+    if question.tolerance > LEAST_TOLERANCE:
         X = frame.centre + state.mechanics.shape(state.X)
         there = replace(question.structure, coordinates=X, rest_lengths=state.l * frame.length)
         question = replace(question, structure=there)
     s, t = question.structure, balance.forces(x) * frame.force
-    level = float((question.limits / np.abs(t)).min())
     if not balance.is_loaded:
-        t = t * level
-    elif question.members is not None and level > 1.0 + SIGNED:
-        answer.why, answer.force_reached = "force", question.force / level
-        return
+        t = t * float((question.limits / np.abs(t)).min())
     answer.coordinates, answer.forces, answer.force_densities = s.coordinates, t, t / s.rest_lengths
     answer.rest_lengths = question.rest_lengths(s.rest_lengths, t)
     if np.isnan(answer.rest_lengths).any():
         answer.why = "rest_length"
+    elif (np.abs(s.rest_lengths - answer.rest_lengths) < LEAST_STRAIN * s.rest_lengths).any():
+        answer.why = "blurred"
 
 
 def _blame(answer: Answer, balance: SelfStress, signs: np.ndarray) -> None:

@@ -61,6 +61,7 @@ _question = flags(
     flag(
         "--force",
         type=Checked("force", _force),
+        multiple=True,
         metavar="GROUP=VALUE",
         help="Greatest force in GROUP. Default: the greatest strain of a cable is 1 %.",
     ),
@@ -96,13 +97,17 @@ def command(ctx: click.Context, scene: str, **values: Any) -> None:
     from cgff_cli.scene.read import load
 
     output, form = values["output"], values["output_format"]
+    if output == STDOUT and form is not None:
+        raise click.UsageError(
+            f"-o - writes the scene to standard output, and so --format {form} has no place"
+        )
     if output not in (None, STDOUT):
         form_of_file("-o", output, _SUFFIXES, "the name of a scene")
     targets = check_targets([(output, "the scene")], files_of([scene]))
     shape = load(scene)
     refuse_inputs(targets, ((path, f"a file of {title(scene)}") for path in shape.files))
     given = {name: values[name] for name in ("by_group", "by_symmetry", "equal", "tolerance") if values[name]}
-    found = prestress(shape, **given, force=dict([values["force"]] if values["force"] else []))
+    found = prestress(shape, **given, force=dict(values["force"]))
     on_page = _write(found, output, form)
     if not on_page:
         warn_of(scene, found.warnings)

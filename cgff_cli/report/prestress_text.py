@@ -28,7 +28,8 @@ def verdict(found: Prestressed) -> str:
     """Return in one sentence whether a shape can be held, and how firmly."""
     if found.scene is None:
         return f"{'undecided' if found.feasible is None else 'impossible'}: {found.reason}"
-    words = ["in balance with these rest lengths"]
+    is_balanced = found.result is not None and found.result.converged
+    words = [f"in balance {'' if is_balanced else 'but for rounding '}with these rest lengths"]
     words.append(found.stability or "stability not told")
     words += ["super-stable"] if found.super_stable else []
     if found.mechanisms:

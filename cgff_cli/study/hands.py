@@ -9,6 +9,7 @@ import signal
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
 from functools import partial
+from importlib import import_module
 from typing import Any, NamedTuple
 
 AHEAD = 4
@@ -18,6 +19,9 @@ ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_
 """What makes each worker round as any other, and leaves the others their cores."""
 
 INTERRUPT = (signal.SIGINT,)
+
+LOADED = ("cgff_cli.pipeline", "cgff_cli.scene.read", "cgff_cli.scene.yaml_text", "cgff_cli.scene.json_text")
+"""What a worker imports before it heeds interrupts: one that falls into an import may get lost there."""
 
 
 class Hands(NamedTuple):
@@ -74,6 +78,8 @@ def _refuse(error: Exception) -> Any:
 
 def _at_work(work: Callable[[Any], Any], job: object) -> Any:
     """Do a job in a worker, which heeds an interrupt only while it has something to do, and only once."""
+    for name in LOADED:
+        import_module(name)
     if signal.getsignal(signal.SIGINT) is _interrupted_before:
         raise KeyboardInterrupt
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # not so in the background

@@ -411,3 +411,99 @@ def test_a_shape_held_everywhere_has_a_state_for_every_element():
     scene = replace(x_module(), supports=dict.fromkeys(range(4), "xy"))
     found = cgff_cli.prestress(scene)
     assert (found.feasible, found.self_stress_states, found.mechanisms) == (True, 6, 0)
+
+
+def beside_a_hanging_cable(load=-0.1):
+    """Return an X-module and, apart from it, a cable of two parts that bears a load."""
+    X = [[0, 0], [1, 0], [1, 1], [0, 1], [3, 0], [4, -1], [5, 0]]
+    groups = {
+        "ring": ("cable", [(0, 1), (1, 2), (2, 3), (3, 0)]),
+        "struts": ("strut", [(0, 2), (1, 3)]),
+        "hung": ("cable", [(4, 5), (5, 6)]),
+    }
+    return geometry(X, groups, {0: "xy", 1: "y", 4: "xy", 6: "xy"}, {5: (0.0, load)})
+
+
+@pytest.mark.parametrize("is_sparse", [False, True])
+def test_beside_what_loads_fix_a_force_is_still_what_is_asked_for(monkeypatch, is_sparse):
+    if is_sparse:
+        monkeypatch.setattr("cgff_cli.mechanics.connectivity.DENSE_ENTRIES", 0)
+        monkeypatch.setattr("cgff_cli.analysis.self_stress.DENSE", 0)
+    found = cgff_cli.prestress(beside_a_hanging_cable(), force={"struts": -2.0})
+    assert found.forces[4:] == pytest.approx([-2.0] * 2 + [0.05 * sqrt(2)] * 2, rel=1e-7)
+    assert found.stability == "stable"
+    found = cgff_cli.prestress(beside_a_hanging_cable(), force={"hung": 2.0})
+    assert (found.feasible, "is at most 0.0707107, and no self-stress makes it 2" in found.reason) == (
+        False,
+        True,
+    )
+
+
+def test_a_force_is_met_also_where_loads_fix_others_of_its_group():
+    scene = beside_a_hanging_cable()
+    ring, struts, hanging = scene.groups
+    both = replace(
+        ring,
+        pairs=np.concatenate((ring.pairs, hanging.pairs)),
+        EA=np.full(6, 1e3),
+        rest_length=np.full(6, np.nan),
+    )
+    found = cgff_cli.prestress(replace(scene, groups=(both, struts)), force={"ring": 2.0})
+    assert found.forces[:6] == pytest.approx([2.0] * 4 + [0.05 * sqrt(2)] * 2, rel=1e-6)
+
+
+def test_a_force_copied_from_a_page_is_the_force_that_loads_fix():
+    for digits in (0.0707107, 0.070710):
+        assert cgff_cli.prestress(beside_a_hanging_cable(), force={"hung": digits}).feasible
+
+
+def hung(law="hooke", load=-1.0):
+    """Return a cable of two parts at right angles, EA 10: a load of 1 makes its force 1 / sqrt 2."""
+    X, pairs = [[0, 0], [1, -1], [2, 0]], [(0, 1), (1, 2)]
+    scene = geometry(X, {"hung": ("cable", pairs)}, {0: "xy", 2: "xy"}, {1: (0.0, load)}, law)
+    return replace(scene, groups=tuple(replace(own, EA=np.full(2, 10.0)) for own in scene.groups))
+
+
+@pytest.mark.parametrize(("law", "strain"), [("hooke", sqrt(0.5) / 10), ("paper", 0.05 / 0.95)])
+def test_the_strain_that_loads_need_is_the_strain_that_they_get(law, strain):
+    found = cgff_cli.prestress(hung(law))
+    assert found.groups["hung"]["strain"] == pytest.approx([strain] * 2)
+    assert f"the loads alone strain cables by {strain:.3g}," in found.warnings[-1]
+
+
+def test_a_node_that_is_held_is_not_said_to_move():
+    assert cgff_cli.prestress(hung(load=1.0)).reason.endswith("; it moves 'n1' the most")
+
+
+def test_of_values_that_are_shared_only_sums_are_said_to_lengthen():
+    assert "no cable is lengthened" in cgff_cli.prestress(hung(load=1.0)).reason
+    reason = cgff_cli.prestress(hung(load=1.0), by_group=True).reason
+    assert "no cable is lengthened" not in reason
+    assert "all cables that share a value are together not lengthened" in reason
+
+
+def test_forces_that_rest_lengths_cannot_tell_are_undecided():
+    found = cgff_cli.prestress(prism(3), force={"struts": -1e-12})
+    assert (found.feasible, found.rest_lengths) == (None, None)
+    assert "raise the force" in found.reason
+
+
+def test_a_soft_shape_in_balance_to_rounding_is_judged():
+    found = cgff_cli.prestress(prism(3), force={"struts": -1e-6})
+    assert (found.stability, found.super_stable, found.warnings) == ("stable", True, ())
+
+
+def test_a_load_on_a_held_node_is_not_said_to_be_borne():
+    scene = replace(x_module(((0, 0), (1, 0), (0.3, 0.3), (0, 1))), supports={0: "xy"}, loads={0: (1.0, 0.0)})
+    assert cgff_cli.prestress(scene).reason.startswith("no self-stress has the right signs in all 6")
+
+
+def test_a_force_that_loads_fix_decides_no_other_by_rounding():
+    found = cgff_cli.prestress(beside_a_hanging_cable())
+    assert found.forces[:4] == pytest.approx([0.05] * 4, rel=1e-7)
+
+
+@pytest.mark.parametrize("tolerance", [0.1, 0.3, 0.99])
+def test_no_tolerance_is_too_large_to_look_for_symmetries(tolerance):
+    found = cgff_cli.prestress(solid("octahedron"), by_symmetry=True, tolerance=tolerance)
+    assert found.feasible is not None
