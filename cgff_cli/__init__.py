@@ -24,6 +24,7 @@ _HOME = {
     "prestress": "cgff_cli.rest_lengths",
     "compare": "cgff_cli.study.compare",
     "equilibria": "cgff_cli.study.search",
+    "sweep": "cgff_cli.study.rows",
     "shipped": "cgff_cli.scene.read",
     "Scene": "cgff_cli.scene.scene",
     "Group": "cgff_cli.scene.scene",

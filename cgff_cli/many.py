@@ -89,10 +89,19 @@ def _solve_alone(answers: Solutions, row: int, structure: Structure, options: So
         answers.stability[row] = stability_of(solution, options)["stability"]
 
 
+def own_numbers(scene: Scene, structure: Structure) -> dict[str, np.ndarray]:
+    """Return the scene's own numbers, by the names and in the shapes that `solve_many` takes a row of."""
+    return {
+        "rest_lengths": structure.rest_lengths,
+        "EA": scene.axial_stiffness,
+        "loads": structure.loads,
+        "coordinates": structure.coordinates,
+    }
+
+
 def _values(scene: Scene, s: Structure, given: dict[str, object]) -> dict[str, np.ndarray]:
     """Return the numbers of all rows, the scene's own where none are given."""
-    EA = scene.axial_stiffness
-    own = {"rest_lengths": s.rest_lengths, "EA": EA, "loads": s.loads, "coordinates": s.coordinates}
+    own = own_numbers(scene, s)
     may_be = {"rest_lengths": rules(scene.law)["rest_length"], "EA": rules(scene.law)["EA"]}
     arrays = {
         name: _checked(name, value, own[name].shape, may_be.get(name, ANY_SIZE))
@@ -105,7 +114,7 @@ def _values(scene: Scene, s: Structure, given: dict[str, object]) -> dict[str, n
     m = next(iter(counts.values()), 1)
     full = {name: np.broadcast_to(arrays.get(name, value), (m, *value.shape)) for name, value in own.items()}
     if "loads" in arrays:
-        _check_net_loads(scene, s.free, full["loads"])
+        _refuse_net_loads(scene, s.free, full["loads"])
     return full | {"stiffness": stiffness(scene.law, full.pop("EA"), full["rest_lengths"])}
 
 
@@ -128,14 +137,19 @@ def _checked(name: str, value: object, shape: tuple[int, ...], rule: Rule) -> np
     return array
 
 
-def _check_net_loads(scene: Scene, free: np.ndarray, loads: np.ndarray) -> None:
-    """Raise OptionError for a row whose loads, (m, n, d), add up along an axis that a part is free along."""
+def net_loads(scene: Scene, free: np.ndarray, loads: np.ndarray) -> np.ndarray:
+    """Return (m, parts, d) bool: where loads, (m, n, d), add up along an axis that a part is free along."""
     labels = component_labels(len(free), all_pairs(scene.groups))
     parts = (labels == np.arange(labels.max() + 1)[:, None]).astype(float)
     net, gross = np.abs(parts @ loads), parts @ np.abs(loads)
-    names = [scene.node_names[part.argmax()] for part in parts]
-    for row, part, axis in np.argwhere((parts @ ~free == 0.0) & (net > ROUNDING * gross))[:1].tolist():
+    return (parts @ ~free == 0.0) & (net > ROUNDING * gross)
+
+
+def _refuse_net_loads(scene: Scene, free: np.ndarray, loads: np.ndarray) -> None:
+    labels = component_labels(len(free), all_pairs(scene.groups))
+    for row, part, axis in np.argwhere(net_loads(scene, free, loads))[:1].tolist():
         raise OptionError(
             f"loads of row {row} (the first is row 0): no equilibrium exists, as they add up along "
-            f"{AXES[axis]}, and no support holds the part with node {names[part]} there"
+            f"{AXES[axis]}, and no support holds the part with node "
+            f"{scene.node_names[(labels == part).argmax()]} there"
         )

@@ -12,15 +12,15 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 1680,
+    "top": 1695,
     "analysis": 2207,
-    "cli": 2059,
+    "cli": 2409,
     "mechanics": 966,
-    "report": 1487,
+    "report": 1716,
     "rivals": 694,
-    "scene": 3448,
+    "scene": 3468,
     "solvers": 2417,
-    "study": 2125,
+    "study": 2874,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""
 

@@ -6,9 +6,9 @@ import numpy as np
 
 
 def strains(lengths: np.ndarray, rest_lengths: np.ndarray, slack: np.ndarray) -> np.ndarray:
-    """Return (b,) strains (l - l0) / l0: zero for slack cables, NaN where l0 is zero."""
+    """Return (..., b) strains (l - l0) / l0: zero for slack cables, NaN where l0 is zero."""
     stretch = np.where(slack, 0.0, lengths - rest_lengths)
-    found = np.full(len(lengths), np.nan)
+    found = np.full(lengths.shape, np.nan)
     with np.errstate(over="ignore"):
         return np.divide(stretch, rest_lengths, out=found, where=rest_lengths > 0.0)
 

@@ -23,6 +23,7 @@ COMMANDS = {
     "solve": "Find the equilibrium shape of each scene.",
     "compare": "Form-find scenes by CGFF and by other methods, side by side.",
     "bench": "Compare methods over many scenes.",
+    "sweep": "Solve a scene for many sets of numbers, a row for each.",
     "equilibria": "Find the stable equilibria of a scene.",
     "analyse": "Judge a shape as given: balance, states, mechanisms, stability.",
     "prestress": "Find rest lengths that hold a geometry at its own coordinates.",

@@ -35,14 +35,19 @@ def form_of_file(flag: str, path: str, contents: Mapping[str, str], name: str = 
     raise click.UsageError(f"{flag} {path}: {name} must end in {either(words)}")
 
 
-def form_of_data(asked: str | None, path: str | None, contents: Mapping[str, str] = TABLE) -> str:
-    """Return the form of what -o or standard output gets: by suffix, by --format, or by who reads it."""
+def form_of_data(
+    asked: str | None, path: str | None, contents: Mapping[str, str] = TABLE, otherwise: str = ""
+) -> str:
+    """Return the form of what -o or standard output gets: by suffix, by --format, or by who reads it.
+
+    otherwise : what anyone reads who asks for nothing
+    """
     if path in (None, STDOUT):
-        return asked or ("table" if sys.stdout.isatty() else "json")
+        return asked or otherwise or ("table" if sys.stdout.isatty() else "json")
     form = form_of_file("-o", str(path), contents)
     if None not in (asked, form) and asked != form:
         raise click.UsageError(f"--format {asked} and -o {path} disagree")
-    return form or asked or "json"
+    return form or asked or otherwise or "json"
 
 
 def check_targets(

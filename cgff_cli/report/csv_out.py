@@ -70,12 +70,17 @@ def columns(table: Mapping[str, Sequence[Any]]) -> Iterator[str]:
     return _text([table])
 
 
-def _text(blocks: Iterable[Mapping[str, Sequence[Any]]]) -> Iterator[str]:
+def rows(table: Mapping[str, Sequence[Any]]) -> Iterator[str]:
+    """Yield the rows of a table given as column name -> values, without its header."""
+    return _text([table], has_header=False)
+
+
+def _text(blocks: Iterable[Mapping[str, Sequence[Any]]], has_header: bool = True) -> Iterator[str]:
     """Yield blocks of one table, the header before the first."""
     for number, block in enumerate(blocks):
         out = io.StringIO()
         writer = csv.writer(out, lineterminator="\n")
-        if number == 0:
+        if has_header and number == 0:
             writer.writerow(block)
         writer.writerows(zip(*(map(_cell, values) for values in block.values()), strict=True))
         yield out.getvalue()

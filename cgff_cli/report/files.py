@@ -16,8 +16,8 @@ STDOUT = "-"
 _HELD_OPEN = re.compile(r"/dev/std(in|out|err)|/(?:dev|proc/self)/fd/(\d+)")
 _NUMBERS = {"in": 0, "out": 1, "err": 2}
 
-# Lone surrogates, which UTF-8 cannot hold, come out as \udXXX: in JSON that is their proper escape.
-_TEXT: dict[str, Any] = {"encoding": "utf-8", "errors": "backslashreplace", "newline": "\n"}
+TEXT: dict[str, Any] = {"encoding": "utf-8", "errors": "backslashreplace", "newline": "\n"}
+"""How text is written. Lone surrogates, which UTF-8 cannot hold, come out as JSON has them, \\udXXX."""
 
 
 def write_output(path: str, chunks: Iterable[str]) -> None:
@@ -27,13 +27,13 @@ def write_output(path: str, chunks: Iterable[str]) -> None:
     older file as it was. Devices and pipes cannot be replaced and are written straight.
     Raises CgffError when the system refuses, BrokenPipeError when a reader has gone.
     """
-    with _opened(path, "w", **_TEXT) as out:
+    with opened(path, "w", **TEXT) as out:
         out.writelines(chunks)
 
 
 def write_bytes(path: str, data: bytes) -> None:
     """Write a picture to a file, whole or not at all; raises as `write_output` does."""
-    with _opened(path, "wb") as out:
+    with opened(path, "wb") as out:
         out.write(data)
 
 
@@ -75,8 +75,8 @@ def _held_open(path: str) -> int | None:
 
 
 @contextmanager
-def _opened(path: str, mode: str, **how: Any) -> Iterator[IO[Any]]:
-    """Give what is to be written, and say in words what the system refuses."""
+def opened(path: str, mode: str, **how: Any) -> Iterator[IO[Any]]:
+    """Give what is to be written to, in a `with` block; raises as `write_output` does."""
     number = _held_open(path)
     try:
         if path == STDOUT:

@@ -6,7 +6,7 @@ and `line`, everything on one line, for JSON lines.
 
 import json
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from cgff_cli.report.columns import element_blocks, node_blocks
@@ -62,6 +62,12 @@ def element_rows(result: Result) -> Iterator[str]:
     for block in element_blocks(result):
         for values in zip(*block.values(), strict=True):
             yield encode(dict(zip(block, values, strict=True)))
+
+
+def lines(table: Mapping[str, Sequence[Any]]) -> Iterator[str]:
+    """Yield the rows of a table, given as column name -> values, each as an object on a line of its own."""
+    for row in zip(*table.values(), strict=True):
+        yield encode(dict(zip(table, row, strict=True))) + "\n"
 
 
 def encode(value: Any) -> str:

@@ -87,9 +87,17 @@ class Scene:
 
     def with_rest_lengths(self, rest_lengths: np.ndarray) -> "Scene":
         """Return the same scene with other rest lengths, (b,) in its element order, or OptionError."""
-        if np.shape(rest_lengths) != (self.element_count,):
-            shape = np.shape(rest_lengths)
-            raise OptionError(f"rest_lengths must have the shape ({self.element_count},), got {shape}")
+        return self._with_elements("rest_length", "rest_lengths", rest_lengths)
+
+    def with_axial_stiffness(self, EA: np.ndarray) -> "Scene":
+        """Return the same scene with other EA, (b,) in its element order, or OptionError."""
+        return self._with_elements("EA", "EA", EA)
+
+    def _with_elements(self, column: str, called: str, values: np.ndarray) -> "Scene":
+        if np.shape(values) != (self.element_count,):
+            shape = np.shape(values)
+            raise OptionError(f"{called} must have the shape ({self.element_count},), got {shape}")
         ends = np.cumsum([len(group.EA) for group in self.groups])[:-1]
-        own = zip(self.groups, np.split(np.asarray(rest_lengths, dtype=float), ends), strict=True)
-        return replace(self, groups=tuple(replace(group, rest_length=values) for group, values in own))
+        own = zip(self.groups, np.split(np.asarray(values, dtype=float), ends), strict=True)
+        groups = tuple(Group(**{**vars(group), column: part}) for group, part in own)
+        return replace(self, groups=groups)

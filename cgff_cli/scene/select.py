@@ -14,11 +14,9 @@ def chosen_rows(scene: Scene, name: str) -> np.ndarray:
 
     Raises OptionError where there is none, or where several join two nodes. A group's name comes first.
     """
-    firsts = np.cumsum([0, *(len(group.EA) for group in scene.groups)])
-    for group, first in zip(scene.groups, firsts.tolist(), strict=False):
-        if group.name == name:
-            return np.arange(first, first + len(group.EA))
-    ends = _ends(scene, name)
+    if "," not in name or name in {group.name for group in scene.groups}:
+        return rows_of_group(scene, name)
+    ends = pair_of(scene, name)
     rows = np.flatnonzero((np.sort(all_pairs(scene.groups), axis=1) == sorted(ends)).all(axis=1))
     if len(rows) != 1:
         what = "no element joins" if not len(rows) else f"{len(rows)} elements join"
@@ -26,16 +24,30 @@ def chosen_rows(scene: Scene, name: str) -> np.ndarray:
     return rows
 
 
-def _ends(scene: Scene, name: str) -> tuple[int, int]:
-    """Return the node rows of A,B; a node's name may hold commas."""
-    rows = {node: row for row, node in enumerate(scene.node_names)}
-    for at in (at for at, mark in enumerate(name) if mark == ","):
-        start, end = name[:at].strip(), name[at + 1 :].strip()
-        if start in rows and end in rows:
-            return rows[start], rows[end]
-    strangers = [part.strip() for part in name.split(",") if part.strip() not in rows]
-    if name.count(",") == 1 and strangers:
-        hint = did_you_mean(strangers[0], scene.node_names)
-        raise OptionError(f"no node is named {quoted(strangers[0])}{hint}")
+def rows_of_group(scene: Scene, name: str) -> np.ndarray:
+    """Return the rows of a group's elements; raises OptionError where there is no such group."""
     groups = [group.name for group in scene.groups]
-    raise OptionError(f"no group is named {quoted(name)}{did_you_mean(name, groups, 'there are')}")
+    if name not in groups:
+        raise OptionError(f"no group is named {quoted(name)}{did_you_mean(name, groups, 'there are')}")
+    return np.flatnonzero(scene.owners == groups.index(name))
+
+
+def row_of_node(scene: Scene, name: str) -> int:
+    """Return the row of a node; raises OptionError where there is no such node."""
+    if name not in scene.node_names:
+        raise OptionError(f"no node is named {quoted(name)}{did_you_mean(name, scene.node_names)}")
+    return scene.node_names.index(name)
+
+
+def pair_of(scene: Scene, name: str) -> tuple[int, int]:
+    """Return the node rows of A,B; names may hold commas, the longest A wins. Raises OptionError."""
+    parts = name.split(",")
+    cuts = range(len(parts) - 1, 0, -1)
+    splits = [(",".join(parts[:cut]).strip(), ",".join(parts[cut:]).strip()) for cut in cuts]
+    for start, end in splits:
+        if start in scene.node_names and end in scene.node_names:
+            return row_of_node(scene, start), row_of_node(scene, end)
+    if len(splits) != 1:
+        raise OptionError(f"two nodes, A,B, are meant by none of the commas in {quoted(name)}")
+    start, end = splits[0]
+    return row_of_node(scene, start), row_of_node(scene, end)

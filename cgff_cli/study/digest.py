@@ -21,7 +21,7 @@ ONLY_TELLING = ("report", "cli")
 
 def digest_of(told: Any, parts: Iterable[bytes] = ()) -> str:
     """Return a digest of plain values, of long parts, and of the program."""
-    found = hashlib.sha256(json.dumps([told, _program()], sort_keys=True).encode())
+    found = hashlib.sha256(json.dumps([told, program()], sort_keys=True).encode())
     for part in parts:
         found.update(part)
     return found.hexdigest()[:16]
@@ -58,7 +58,7 @@ def _processor() -> str:
 
 
 @cache
-def _program() -> str:
+def program() -> str:
     """Return version and digest of the sources that work: between versions they change."""
     package = Path(cgff_cli.__file__).parent
     found = hashlib.sha256()

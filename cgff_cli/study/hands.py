@@ -1,7 +1,7 @@
 """Who does the jobs of the machine: this process, or a few of its own.
 
-Hands begin a job and give back what waits for its end. Others, on other computers say, are one more function
-like `_pool`, and an argument of `done`.
+Hands begin a job and give back what waits for its end. Others, such as `dask_hands` on other machines, are
+one more function like `_pool`, and an argument of `done`.
 """
 
 import os

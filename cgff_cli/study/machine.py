@@ -10,11 +10,12 @@ cut by number alone.
 import json
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import AbstractContextManager
 from itertools import islice
 from typing import Any, NamedTuple
 
 from cgff_cli.errors import CgffError
-from cgff_cli.study.hands import hands
+from cgff_cli.study.hands import Hands, hands
 
 Row = dict[str, Any]
 """One line of a table: plain values, or arrays, by name."""
@@ -41,16 +42,18 @@ def done(
     work: Callable[[Any], Any],
     known: Mapping[str, Any] | None = None,
     processes: int = 1,
+    others: AbstractContextManager[Hands] | None = None,
 ) -> Iterator[Done]:
     """Yield what became of each job, in order; nothing after an interrupt.
 
     work      : what to do with a job; with several processes it can be pickled, as can jobs and findings
     known     : digest -> what the work returned in an earlier run, not done again
     processes : 1 is this one; more are processes of their own, with one BLAS thread each
+    others    : who works instead, on other machines
     """
     known, jobs = known or {}, iter(jobs)
     waiting: deque[tuple[Any, Callable[[], Any] | None]] = deque()
-    with hands(processes) as (begin, most):
+    with others or hands(processes) as (begin, most):
         while True:
             try:
                 for job in islice(jobs, most - len(waiting)):

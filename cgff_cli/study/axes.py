@@ -1,0 +1,135 @@
+"""The numbers of a scene that a sweep changes: their keys, the values they take, their places in its arrays.
+
+A new kind of key is one entry of OF_GROUPS or OF_NODES.
+"""
+
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from math import isfinite
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from cgff_cli.errors import OptionError
+from cgff_cli.many import own_numbers
+from cgff_cli.scene.elements import rules
+from cgff_cli.scene.nodes import ANY_SIZE
+from cgff_cli.scene.scene import AXES, Scene
+from cgff_cli.scene.select import row_of_node, rows_of_group
+from cgff_cli.structure import from_scene
+from cgff_cli.values import Rule, as_number
+
+OF_GROUPS = {"rest_length": "rest_lengths", "EA": "EA"}
+OF_NODES = {"nodes": "coordinates", "loads": "loads"}
+"""What the last, or the first, word of a key names -> the array of `solve_many` that holds it."""
+
+KEYS = "GROUP.rest_length, GROUP.EA, nodes.NAME.x or loads.NAME.x"
+COUNT = Rule(kind=int, least=1, most=10**7)
+
+Values = str | float | Sequence[float]
+"""Values as on the command line, or numbers."""
+
+
+class Axis(NamedTuple):
+    """One swept number.
+
+    array, place : the array of `solve_many` that holds it, and where, in that of one structure
+    values       : those it takes in turn; of a random range its two ends
+    is_range     : random between two ends, not among values; is_log: its logarithm is uniform there
+    is_factor    : multiplies the scene's own numbers
+    """
+
+    key: str
+    array: str
+    place: Any
+    values: np.ndarray
+    is_range: bool = False
+    is_log: bool = False
+    is_factor: bool = False
+
+    def at(self, shares: np.ndarray) -> np.ndarray:
+        """Return random values, (m,), for uniform shares of [0, 1)."""
+        if not self.is_range:
+            return self.values[(shares * len(self.values)).astype(int)]
+        least, greatest = self.values
+        if self.is_log:
+            return np.asarray(least * (greatest / least) ** shares)
+        return np.asarray(least + (greatest - least) * shares)
+
+
+def axes(
+    scene: Scene, values: Mapping[str, Values], factors: Mapping[str, Values], is_random: bool
+) -> tuple[Axis, ...]:
+    """Return the axes of a sweep, those of values first; is_random: ranges have no count.
+
+    Raises OptionError for a key that the scene has not, and for values that no scene may have.
+    """
+    twice = [key for key in factors if key in values]
+    if twice:
+        raise OptionError(f"{twice[0]} is both set and scaled")
+    if not values and not factors:
+        raise OptionError(f"nothing is swept; give {KEYS} some values")
+    found = []
+    for own, is_factor in ((values, False), (factors, True)):
+        for key, given in own.items():
+            (array, place), (numbers, is_range, is_log) = _place(scene, key), _values(key, given, is_random)
+            found.append(_checked(scene, Axis(key, array, place, numbers, is_range, is_log, is_factor)))
+    return tuple(found)
+
+
+def _place(scene: Scene, key: str) -> tuple[str, Any]:
+    """Return the array and the place in it that a key names; only its ends have a meaning of their own."""
+    stem, _, last = key.rpartition(".")
+    kind, _, node = stem.partition(".")
+    if last in OF_GROUPS:
+        return OF_GROUPS[last], (rows_of_group(scene, stem),)
+    if kind in OF_NODES and last in AXES[: scene.dimension]:
+        return OF_NODES[kind], (row_of_node(scene, node), AXES.index(last))
+    if kind in OF_NODES and node:
+        raise OptionError(f"{key}: an axis of this scene is one of {', '.join(AXES[: scene.dimension])}")
+    raise OptionError(f"{key}: no number of a scene; what can be swept: {KEYS}")
+
+
+def _values(key: str, given: Values, is_random: bool) -> tuple[np.ndarray, bool, bool]:
+    """Return values, or ends, (v,); whether they are ends; whether they are even in their logarithm."""
+    if not isinstance(given, str):
+        numbers = [as_number(value) for value in np.ravel(np.asarray(given, dtype=object)).tolist()]
+        if not numbers or None in numbers:
+            raise OptionError(f"{key}: values must be numbers, got {given!r}")
+        return np.array(numbers, dtype=float), False, False
+    words = given.split(":")
+    is_log = words[0].strip() == "log"
+    words = words[is_log:]
+    with suppress(ValueError, OverflowError):
+        if len(words) == 1 and not is_log:
+            return np.array([float(word) for word in words[0].split(",")]), False, False
+        if len(words) == 3 - is_random:
+            least, greatest = (float(word) for word in words[:2])
+            if not (isfinite(least) and isfinite(greatest) and (not is_log or min(least, greatest) > 0.0)):
+                meant = "> 0 where it is logarithmic" if is_log else "finite"
+                raise OptionError(f"{key}={given}: both ends of a range must be {meant}")
+            if is_random:
+                return np.array((least, greatest)), True, is_log
+            count = COUNT.checked(f"{key}={given}: the count", int(words[2]))
+            return (np.geomspace if is_log else np.linspace)(least, greatest, count), False, is_log
+    counted = "" if is_random else ":COUNT"
+    meant = f"LEAST:GREATEST{counted}, log:LEAST:GREATEST{counted} or numbers with commas"
+    why = "; a random sweep takes no count" if is_random and len(words) == 3 else ""
+    raise OptionError(f"{key}={given}: values must be {meant}{why}")
+
+
+def _checked(scene: Scene, axis: Axis) -> Axis:
+    """Return an axis, all of whose values a scene may have; raises OptionError."""
+    law = rules(scene.law)
+    rule = {"rest_lengths": law["rest_length"], "EA": law["EA"]}.get(axis.array, ANY_SIZE)
+    own = own_numbers(scene, from_scene(scene))[axis.array][axis.place].reshape(-1)
+    with np.errstate(over="ignore", invalid="ignore"):
+        ends = np.array([own.min(), own.max()] if axis.is_factor else [1.0])
+        made = axis.values[:, None] * ends
+    bad = np.argwhere(~(rule.fits(made) & np.isfinite(made)))[:1].tolist()
+    for row, end in bad:
+        number = float(made[row, end])
+        got = f"{number:g}" + (f" for the factor {axis.values[row]:g}" if axis.is_factor else "")
+        fault = rule.fault(number, got) if isfinite(number) else f"must be a finite number, got {got}"
+        raise OptionError(f"{axis.key}: {axis.key.rpartition('.')[2]} {fault}")
+    return axis

@@ -1,0 +1,126 @@
+"""A path: what is lost, what only branches off, what is the same as separate solves; against closed forms."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+
+import cgff_cli
+from cgff_cli.study.path import Path, followed
+from cgff_cli.study.rows import sweep
+from cgff_cli.study.sweep import planned
+from tests.shapes import STRUCTURES
+
+REST, EA = float(np.hypot(1.0, 0.5)), 100.0
+TRUSS = f"""\
+law: hooke
+nodes: {{a: [-1, 0], b: [0, 0.5], c: [1, 0]}}
+elements: {{bars: {{kind: strut, EA: {EA}, rest_length: {REST!r}, pairs: [[a, b], [c, b]]}}}}
+supports: {{a: xy, c: xy}}
+"""
+COLUMN = """\
+law: paper
+nodes: {a: [0, 0], b: [1, 0], c: [2, 0], u: [1, 1], d: [1, -1]}
+elements:
+  bars: {kind: strut, EA: 100, rest_length: 1, pairs: [[a, b], [b, c]]}
+  springs: {kind: strut, EA: 1, rest_length: 1, pairs: [[b, u], [b, d]]}
+supports: {a: xy, c: xy, u: xy, d: xy}
+"""
+
+
+def force(y: float) -> float:
+    """Return the load that holds the top of the truss at a height."""
+    l = np.hypot(1.0, y)
+    return 2.0 * EA / REST * (l - REST) * y / l
+
+
+SNAPS = float(minimize_scalar(force, bounds=(0.0, 0.5), method="bounded", options={"xatol": 1e-12}).fun)
+
+
+def path(scene: str, key: str, values: str, **asked: object) -> Path:
+    return followed(planned(cgff_cli.loads(scene), set={key: values}, **asked))
+
+
+@pytest.mark.parametrize("values", ["0:-6:13", "0:-3.9:2", "0:-6:4", "0:-300:2", "-3:-4:2"])
+def test_a_truss_snaps_through_at_the_load_of_its_closed_form(values: str):
+    stops = list(path(TRUSS, "loads.b.y", values, out=["node:b"]).stops())
+    (lost,) = [value for stop in stops for value in stop.lost]
+    assert lost == pytest.approx(SNAPS, rel=1e-7)
+    for stop in stops:
+        load, y = stop.row["loads.b.y"], stop.row["node:b.y"]
+        assert force(y) == pytest.approx(load, abs=1e-6)
+        assert (y > 0.0) == (load > SNAPS)
+        assert (stop.row["lost"] is not None) == ((stop.row["jump"] or 0.0) > 0.1)
+
+
+def test_the_way_back_is_another_one():
+    rows = [stop.row for stop in path(TRUSS, "loads.b.y", "-6:6:13", out=["node:b"]).stops()]
+    (lost,) = [row["lost"] for row in rows if row["lost"] is not None]
+    assert lost == pytest.approx(-SNAPS, rel=1e-7)
+    assert [row["node:b.y"] > 0.0 for row in rows] == [row["loads.b.y"] > -SNAPS for row in rows]
+
+
+@pytest.mark.parametrize("values", ["2:1.9:11", "2:1.9:7", "2:1.95:2", "1.9:2:5"])
+def test_a_column_that_buckles_moves_aside_and_loses_nothing(values: str):
+    buckles = 2.0 * (1.0 - 1.0 / 101.0)  # 2 q of bars and 2 EA / l of springs cancel
+    rows = [stop.row for stop in path(COLUMN, "nodes.c.x", values, out=["node:b"]).stops()]
+    assert [row["lost"] for row in rows] == [None] * len(rows)
+    assert {row["stability"] for row in rows} == {"stable"}
+    assert [abs(row["node:b.y"]) > 1e-6 for row in rows] == [row["nodes.c.x"] < buckles for row in rows]
+
+
+def test_jump_is_of_second_order_in_a_smooth_step():
+    jumps = [
+        max(stop.row["jump"] or 0.0 for stop in path(TRUSS, "loads.b.y", f"0:-2:{count}").stops())
+        for count in (6, 11, 21)
+    ]
+    assert [before / after for before, after in pairwise(jumps)] == pytest.approx([4.0, 4.0], abs=0.4)
+
+
+def test_a_free_body_is_followed_whatever_its_attitude():
+    prism = cgff_cli.load(STRUCTURES / "prism.yaml")
+    rows = list(sweep(prism, set={"verticals.rest_length": "3:6:7"}, follow=True, out=["length:n1,n4"]))
+    apart = list(sweep(prism, set={"verticals.rest_length": "3:6:7"}, out=["length:n1,n4"]))
+    assert [row["length:n1,n4"] for row in rows] == pytest.approx([row["length:n1,n4"] for row in apart])
+    assert [row["lost"] for row in rows] == [None] * 7
+    assert max(row["jump"] for row in rows[1:]) < 2e-3
+
+
+def test_cables_that_go_slack_are_one_of_many_shapes_and_not_lost():
+    prism = cgff_cli.load(STRUCTURES / "prism.yaml")
+    rows = list(sweep(prism, set={"struts.rest_length": "8:5:7"}, follow=True))
+    assert [row["stability"] for row in rows] == ["stable"] * 3 + ["neutral"] * 4
+    assert [row["lost"] for row in rows] == [None] * 7
+    assert [row["jump"] for row in rows[-3:]] == [None] * 3
+
+
+def test_a_row_that_does_not_converge_says_so_and_the_path_goes_on_from_the_last_that_did():
+    rows = list(sweep(cgff_cli.loads(TRUSS), set={"loads.b.y": "0,-1,1"}, follow=True, max_iterations=2))
+    assert [row["verdict"] for row in rows] == ["converged", "max_iterations", "max_iterations"]
+    assert [row["jump"] for row in rows] == [None] * 3
+
+
+@pytest.mark.parametrize(
+    ("asked", "message"),
+    [
+        (
+            {"set": {"loads.b.y": "0:1:3", "bars.EA": "1,2"}},
+            "a path follows one swept number, through all its values in their order",
+        ),
+        (
+            {"set": {"loads.b.y": "0:1"}, "random": 5},
+            "a path follows one swept number, through all its values in their order",
+        ),
+        ({"set": {"nodes.b.y": "0:1:3"}}, "nodes.b.y: no path follows a start that is free to move"),
+    ],
+)
+def test_what_is_no_path_is_refused(asked: dict[str, object], message: str):
+    with pytest.raises(cgff_cli.OptionError) as raised:
+        sweep(cgff_cli.loads(TRUSS), follow=True, **asked)
+    assert str(raised.value) == message
+
+
+def test_loads_that_nothing_holds_are_refused_before_the_path_begins():
+    with pytest.raises(cgff_cli.OptionError, match=r"loads.n1.z: at 1 no equilibrium exists"):
+        sweep(cgff_cli.load(STRUCTURES / "prism.yaml"), set={"loads.n1.z": "0:2:3"}, follow=True)
