@@ -21,6 +21,10 @@ CASES = [
     ("snake", {"modules": 7, "bend": 150.0}),
     ("net", {}),
     ("net", {"side": 7, "span": 3.0, "rise": 0.5, "prestress": 2.0}),
+    ("geiger", {}),
+    ("geiger", {"sides": 5, "rings": 3, "slope": 35.0}),
+    ("levy", {}),
+    ("levy", {"sides": 11, "rings": 3, "radius": 3.0, "rise": 1.0}),
     ("catenary", {}),
     ("catenary", {"links": 21, "drop": 2.0, "sag": 4.0}),
 ]

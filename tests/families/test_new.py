@@ -107,6 +107,7 @@ def test_the_header_promises_no_answer_where_none_is_known():
             {"bend": 300, "modules": 1},
             "modules of length 1 and width 1 cannot be bent by 300 degrees",
         ),
+        ("levy", {"sides": 6, "rings": 7}, "rings must be at most 6 with 6 sides, got 7"),
         ("snake", {"noise": -1}, "noise must be a number from 0 to 1000000, got -1"),
         (
             "octahedron",

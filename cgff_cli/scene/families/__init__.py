@@ -13,6 +13,8 @@ FAMILIES = {
     "x-tower": "Plane tower: X-modules stacked upon each other.",
     "snake": "Plane snake: X-modules in a row, straight or bent to an arc.",
     "net": "Cable net: a saddle inside a fixed rim.",
+    "geiger": "Geiger dome: rings of struts in radial planes, on hoops, inside a ring of supports.",
+    "levy": "Levy dome: a Geiger dome with a triangulated net, each ring turned by half a step.",
     "catenary": "Hanging chain: links between two points, equal weights on its nodes.",
 }
 """Family -> what it is, in the words its function's docstring begins with."""
