@@ -4,6 +4,8 @@ CASES = [
     ("prism", {}),
     ("prism", {"sides": 5, "strut": 3.0}),
     ("prism", {"sides": 8, "radius": 2.0, "height": 1.5}),
+    ("star-prism", {}),
+    ("star-prism", {"struts": 3, "height": 0.7}),
     ("tower", {}),
     ("tower", {"sides": 4, "stages": 2}),
     ("tower", {"stages": 5, "twist": 50.0}),
@@ -25,6 +27,8 @@ CASES = [
     ("geiger", {"sides": 5, "rings": 3, "slope": 35.0}),
     ("levy", {}),
     ("levy", {"sides": 11, "rings": 3, "radius": 3.0, "rise": 1.0}),
+    ("kresling", {}),
+    ("kresling", {"sides": 5, "folded": 0.3, "state": "folded"}),
     ("catenary", {}),
     ("catenary", {"links": 21, "drop": 2.0, "sag": 4.0}),
 ]

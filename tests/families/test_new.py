@@ -107,6 +107,12 @@ def test_the_header_promises_no_answer_where_none_is_known():
             {"bend": 300, "modules": 1},
             "modules of length 1 and width 1 cannot be bent by 300 degrees",
         ),
+        ("star-prism", {"struts": 4}, "struts must be odd, got 4: with an even number none is super-stable"),
+        (
+            "kresling",
+            {"height": 2.0},
+            "folded must be between 1 and 2, the height, with 6 sides and a radius of 1, got 0.5",
+        ),
         ("levy", {"sides": 6, "rings": 7}, "rings must be at most 6 with 6 sides, got 7"),
         ("snake", {"noise": -1}, "noise must be a number from 0 to 1000000, got -1"),
         (
