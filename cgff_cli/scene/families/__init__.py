@@ -13,6 +13,8 @@ FAMILIES = {
     "polyhedron": "Truncated regular polyhedron: cables on its edges, struts inside.",
     "x-tower": "Plane tower: X-modules stacked upon each other.",
     "snake": "Plane snake: X-modules in a row, straight or bent to an arc.",
+    "d-bar": "Plane D-bar: a strut replaced by a diamond of struts and a cable across, again and again.",
+    "t-bar": "Plane T-bar: a strut braced in its middle by a crosspiece and four cables, again and again.",
     "net": "Cable net: a saddle inside a fixed rim.",
     "geiger": "Geiger dome: rings of struts in radial planes, on hoops, inside a ring of supports.",
     "levy": "Levy dome: a Geiger dome with a triangulated net, each ring turned by half a step.",
