@@ -18,6 +18,8 @@ CASES = [
     ("polyhedron", {"kind": "octahedron", "radius": 5.0}),
     ("polyhedron", {"kind": "dodecahedron"}),
     ("polyhedron", {"kind": "icosahedron"}),
+    ("geodesic", {}),
+    ("geodesic", {"frequency": 1, "radius": 3.0, "ratio": 0.5}),
     ("x-tower", {"stages": 4, "width": 2.0}),
     ("snake", {}),
     ("snake", {"modules": 7, "bend": 150.0}),

@@ -11,6 +11,7 @@ FAMILIES = {
     "drum": "Drum: prisms of alternating hand that share their rings.",
     "octahedron": "Expanded octahedron: six struts in three parallel pairs, 24 cables.",
     "polyhedron": "Truncated regular polyhedron: cables on its edges, struts inside.",
+    "geodesic": "Geodesic sphere: a strut beside every edge of a truncated geodesic net of cables.",
     "x-tower": "Plane tower: X-modules stacked upon each other.",
     "snake": "Plane snake: X-modules in a row, straight or bent to an arc.",
     "d-bar": "Plane D-bar: a strut replaced by a diamond of struts and a cable across, again and again.",

@@ -9,9 +9,7 @@ from cgff_cli.scene.equilibrium import Equilibrium, Members
 from cgff_cli.values import Rule
 
 Length = Annotated[float, Rule("length of the column", positive=True)]
-Angle = Annotated[
-    float, Rule("between column and outermost members at its ends, degrees", positive=True, below=60)
-]
+Angle = Annotated[float, Rule("lean of the sides of the largest diamond, degrees", positive=True, below=60)]
 
 
 def ends(length: float) -> tuple[np.ndarray, np.ndarray]:
