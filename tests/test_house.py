@@ -18,7 +18,7 @@ BUDGET = {
     "mechanics": 966,
     "report": 1487,
     "rivals": 694,
-    "scene": 3966,
+    "scene": 3971,
     "solvers": 2417,
     "study": 2125,
 }

@@ -48,3 +48,9 @@ def test_energy_at_any_height_and_turn_is_that_of_two_creases_a_side(height, tur
     wide = acos((1.2**2 - 0.5**2) / (4.0 * cos(pi / 6.0)))
     l0 = np.sqrt(squared_creases(6, 1.2, pi / 6.0 + wide))
     assert result.energy == pytest.approx(6.0 * (0.5 * 50.0 / l0 * (l - l0) ** 2).sum(), rel=1e-12)
+
+
+def test_from_anywhere_a_module_ends_in_its_two_states_or_in_their_images_below():
+    found = cgff_cli.equilibria(cgff_cli.new("kresling"), starts=150, seed=0)
+    heights = [list(own["nodes"].values())[-1][2] for own in found.equilibria]
+    assert sorted(heights) == pytest.approx([-1.2, -0.5, 0.5, 1.2], abs=1e-6)

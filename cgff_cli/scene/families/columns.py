@@ -9,7 +9,7 @@ from cgff_cli.scene.equilibrium import Equilibrium, Members
 from cgff_cli.values import Rule
 
 Length = Annotated[float, Rule("length of the column", positive=True)]
-Angle = Annotated[float, Rule("lean of the sides of the largest diamond, degrees", positive=True, below=60)]
+Angle = Annotated[float, Rule("lean of the sides of the largest diamond, degrees", least=1, most=59)]
 
 
 def ends(length: float) -> tuple[np.ndarray, np.ndarray]:

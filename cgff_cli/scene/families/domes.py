@@ -10,7 +10,6 @@ from cgff_cli.scene.equilibrium import Equilibrium, Members, members
 from cgff_cli.scene.families.rings import level_pairs, ring_nodes, ring_pairs
 from cgff_cli.values import Rule
 
-Sides = Annotated[int, Rule("struts in each ring, and supports", least=3, most=10_000)]
 Rings = Annotated[int, Rule("rings of struts between the supports and the middle", least=1, most=1000)]
 Radius = Annotated[float, Rule("radius of the ring of supports", positive=True)]
 Rise = Annotated[float, Rule("height of the dome's crown above the supports", positive=True)]
@@ -54,7 +53,7 @@ def dome(
 def _stress(
     sides: int, ways: int, turn: float, r: np.ndarray, z: np.ndarray, feet: np.ndarray
 ) -> dict[str, np.ndarray]:
-    """Return the force densities of the top ring, and of each ring's members, (rings,).
+    """Return the force densities of the top ring, and of each ring's members, (rings,); derived here.
 
     r, z : (rings + 1,) radius and height of the struts' tops, supports last; feet : (rings,) of their feet
 

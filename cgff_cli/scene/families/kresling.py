@@ -27,7 +27,8 @@ def equilibrium(
     Creases lead from node i of the fixed polygon (valleys) and from node i + 1 (mountains) to node i of
     the other, which is turned by 180/n + w degrees: squared lengths h^2 + 2 r^2 (1 - cos(w +- 180/n)).
     Both are the same again where w becomes 180 - w and h^2 less by 4 r^2 cos(w) cos(180/n): two states
-    without any force. Nearer than 180/n to 0 or 180 degrees, w has creases pass through the axis.
+    without any force (derived; the truss model, of creases that carry axial force alone). Nearer than
+    180/n to 0 or 180 degrees, w has creases pass through the axis.
     """
     half = pi / sides
     most = 4.0 * radius**2 * cos(half) ** 2

@@ -1,10 +1,12 @@
 """Levy domes."""
 
 from math import ceil, cos, pi
+from typing import Annotated
 
 from cgff_cli.errors import OptionError
 from cgff_cli.scene.equilibrium import Equilibrium, Prestress, tightened
-from cgff_cli.scene.families.domes import Load, Radius, Rings, Rise, Sides, Slope, dome
+from cgff_cli.scene.families.domes import Load, Radius, Rings, Rise, Slope, dome
+from cgff_cli.values import Rule
 
 EXAMPLES = (
     "cgff new levy",
@@ -15,7 +17,7 @@ EXAMPLES = (
 
 def equilibrium(
     *,
-    sides: Sides = 8,
+    sides: Annotated[int, Rule("struts in each ring, and supports", least=4, most=10_000)] = 8,
     rings: Rings = 2,
     radius: Radius = 10.0,
     rise: Rise = 2.0,
