@@ -18,7 +18,7 @@ BUDGET = {
     "mechanics": 966,
     "report": 1716,
     "rivals": 694,
-    "scene": 3468,
+    "scene": 3991,
     "solvers": 2417,
     "study": 2874,
 }
