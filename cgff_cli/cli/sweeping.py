@@ -198,7 +198,9 @@ def _told(name: str, counts: Mapping[str, int], total: int, goes_on: bool) -> Ex
     elif wanted("verbose"):
         say(f"cgff: {name}: {count(total, 'row')} done")
     if counts["bad"]:
-        say(f"cgff: {name}: {count(counts['bad'], 'row')} with loads that nothing can balance: bad_scene")
+        from cgff_cli.study.sweep import BAD_SCENE, NO_SCENE
+
+        say(f"cgff: {name}: {count(counts['bad'], 'row')} {BAD_SCENE}: {NO_SCENE}")
     if counts["not_converged"]:
         say(f"cgff: {name}: {count(counts['not_converged'], 'row')} did not converge")
     if counts["bad"]:

@@ -12,6 +12,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from cgff_cli.errors import OptionError
+from cgff_cli.scene.laws import rest_lengths_for
 from cgff_cli.scene.scene import AXES, KINDS, LAWS, Group, Scene
 from cgff_cli.values import Rule
 
@@ -113,9 +114,9 @@ def realised(
 
 
 def _group(target: Equilibrium, own: Members, law: str, EA: float) -> Group:
-    """Return a group with l0 = l - t / EA (paper) or EA l / (EA + t) (hooke)."""
+    """Return a group that carries its forces."""
     l, t = target.lengths(own), target.forces(own)
-    rest = l - t / EA if law == "paper" else EA * l / np.where(EA + t > 0.0, EA + t, np.nan)
+    rest = rest_lengths_for(law, l, t, np.full(len(l), EA))
     if not np.all(rest > 0.0):
         worst = float(t[np.argmax(np.abs(t))])
         raise OptionError(

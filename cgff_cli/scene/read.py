@@ -11,11 +11,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cgff_cli.errors import CgffError, Problem, SceneError
+from cgff_cli.scene.fields import is_table
 from cgff_cli.scene.findings import NOWHERE, Findings, Placing, Where, quoted
+from cgff_cli.scene.keys import is_own
 from cgff_cli.scene.located import DEPTH, Document, mark_of
 from cgff_cli.scene.results import ResultValues, is_result
 from cgff_cli.scene.scene import Scene
-from cgff_cli.scene.schema import is_table, read_scene
+from cgff_cli.scene.schema import read_scene
 from cgff_cli.scene.text import decoded, read_text, reason
 from cgff_cli.scene.yaml_text import yaml_events
 
@@ -62,7 +64,7 @@ def tables_of(path: str) -> list[str]:
 def _named(value: object) -> Iterator[str]:
     """Yield the tables named in a mapping by any key but `name`, or in a mapping inside it."""
     for key, entry in value.items() if isinstance(value, dict) else ():
-        if is_table(entry) and key != "name":
+        if is_table(entry) and key != "name" and not is_own(key):
             yield str(entry)
         yield from _named(entry)
 

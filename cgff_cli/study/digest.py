@@ -30,11 +30,13 @@ def digest_of(told: Any, parts: Iterable[bytes] = ()) -> str:
 def contents(scene: Scene) -> Iterator[bytes]:
     """Yield all of a scene that an answer depends on."""
     words = (scene.name, scene.law, scene.node_names, scene.supports, scene.loads, scene.solver)
-    yield repr(words).encode()
+    cases = (scene.gravity, scene.load_cases, scene.combinations, scene.case)
+    yield repr((words, cases)).encode()
     yield scene.coordinates.tobytes()
     for group in scene.groups:
         yield repr((group.name, group.kind, len(group.EA))).encode()
         yield group.pairs.tobytes() + group.EA.tobytes() + group.rest_length.tobytes()
+        yield b"" if group.weight is None else group.weight.tobytes()
 
 
 @cache
