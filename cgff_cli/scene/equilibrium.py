@@ -21,6 +21,9 @@ _ALIKE = 1e-11  # lengths this near, relatively, are one length and its rounding
 Prestress = Annotated[float, Rule("tension of the tightest cable", positive=True)]
 """The parameter by which families without loads scale their self-stress; see `tightened`."""
 
+Weight = Annotated[float, Rule("of all elements per rest length, downwards, put on afterwards", least=0)]
+"""The parameter of families that something holds."""
+
 
 class Members(NamedTuple):
     """One group: pairs (m, 2) of node rows and the force density (m,) each has in equilibrium."""
@@ -36,6 +39,7 @@ class Equilibrium:
     """A shape in balance: under `loads` and held by `supports`, the members' forces add up to zero.
 
     coordinates : (n, d)                     supports : node row -> axes held fixed
+    weight      : of all elements per rest length, which the shape does not balance either
     start       : (n, d) where a solve begins, the coordinates themselves where None
     added_loads : further loads, which the shape does not balance: the answer is then another shape
     answer      : what is known of the shape beyond the lengths and forces of its groups
@@ -49,6 +53,7 @@ class Equilibrium:
     supports: Mapping[int, str] = field(default_factory=dict)
     loads: Mapping[int, tuple[float, ...]] = field(default_factory=dict)
     added_loads: Mapping[int, tuple[float, ...]] = field(default_factory=dict)
+    weight: float = 0.0
     start: np.ndarray | None = None
 
     def lengths(self, members: Members) -> np.ndarray:
@@ -123,7 +128,8 @@ def _group(target: Equilibrium, own: Members, law: str, EA: float) -> Group:
             f"no rest length gives {own.name} a force of {worst:.6g} with EA {EA:g}; "
             "lower the force or raise EA"
         )
-    return Group(own.name, own.kind, own.pairs, np.full(len(l), EA), rest)
+    weight = np.full(len(l), target.weight) if target.weight else None
+    return Group(own.name, own.kind, own.pairs, np.full(len(l), EA), rest, weight=weight)
 
 
 def _jittered(groups: list[Group], jitter: float, source: random.Random) -> list[Group]:

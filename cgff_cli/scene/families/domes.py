@@ -18,14 +18,21 @@ Load = Annotated[float, Rule("load on every strut's top, downwards, put on after
 
 
 def dome(
-    title: str, sides: int, rings: int, size: tuple[float, float, float], steps: Sequence[int], load: float
+    title: str,
+    sides: int,
+    rings: int,
+    size: tuple[float, float, float],
+    steps: Sequence[int],
+    loads: tuple[float, float],
 ) -> Equilibrium:
-    """Return a dome in balance without its load, self-stress 1 in the innermost ridges.
+    """Return a dome in balance without its loads, self-stress 1 in the innermost ridges.
 
     size  : radius and rise of the dome, slope of its diagonals (degrees)
     steps : how far round the next ring, from strut i, ridges and diagonals end: 0 alone straight outwards,
             0 and 1 on either side, the rings then turned by half a step against each other
+    loads : on every strut's top, and weight of all elements per rest length
     """
+    load, weight = loads
     radius, rise, slope = size
     turn = pi / sides if len(steps) > 1 else 0.0
     r = radius * np.arange(1, rings + 2) / (rings + 1)
@@ -46,6 +53,7 @@ def dome(
         members=_members(sides, rings, steps, _stress(sides, len(steps), turn, r, z, feet)),
         answer="by statics, ring by ring from the inside; groups are numbered outwards",
         supports=dict.fromkeys(held, "xyz"),
+        weight=weight,
         added_loads=dict.fromkeys(tops, (0.0, 0.0, -load)) if load else {},
     )
 

@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from cgff_cli.scene.equilibrium import Equilibrium, Prestress, tightened
+from cgff_cli.scene.equilibrium import Equilibrium, Prestress, Weight, tightened
 from cgff_cli.scene.families.domes import Load, Radius, Rings, Rise, Slope, dome
 from cgff_cli.values import Rule
 
@@ -21,6 +21,7 @@ def equilibrium(
     rise: Rise = 2.0,
     slope: Slope = 20.0,
     load: Load = 0.0,
+    weight: Weight = 0.0,
     prestress: Prestress = 10.0,
 ) -> Equilibrium:
     """Geiger dome: rings of struts in radial planes, on hoops, inside a ring of supports.
@@ -29,4 +30,4 @@ def equilibrium(
     outwards; a top ring ties the innermost ridges together (the form that Geiger patented in 1988, open
     in the middle). One self-stress has the dome's symmetry: the balance of one plane, joint by joint.
     """
-    return tightened(dome("Geiger", sides, rings, (radius, rise, slope), (0,), load), prestress)
+    return tightened(dome("Geiger", sides, rings, (radius, rise, slope), (0,), (load, weight)), prestress)

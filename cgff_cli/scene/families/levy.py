@@ -4,7 +4,7 @@ from math import ceil, cos, pi
 from typing import Annotated
 
 from cgff_cli.errors import OptionError
-from cgff_cli.scene.equilibrium import Equilibrium, Prestress, tightened
+from cgff_cli.scene.equilibrium import Equilibrium, Prestress, Weight, tightened
 from cgff_cli.scene.families.domes import Load, Radius, Rings, Rise, Slope, dome
 from cgff_cli.values import Rule
 
@@ -23,6 +23,7 @@ def equilibrium(
     rise: Rise = 2.0,
     slope: Slope = 20.0,
     load: Load = 0.0,
+    weight: Weight = 0.0,
     prestress: Prestress = 10.0,
 ) -> Equilibrium:
     """Levy dome: a Geiger dome with a triangulated net, each ring turned by half a step.
@@ -35,4 +36,4 @@ def equilibrium(
     if (rings + 1) * across <= rings:
         most = ceil(across / (1.0 - across)) - 1
         raise OptionError(f"rings must be at most {most} with {sides} sides, got {rings}")
-    return tightened(dome("Levy", sides, rings, (radius, rise, slope), (0, 1), load), prestress)
+    return tightened(dome("Levy", sides, rings, (radius, rise, slope), (0, 1), (load, weight)), prestress)
