@@ -14,13 +14,13 @@ MOST_LINES_OF_A_FUNCTION = 50
 BUDGET = {
     "top": 1680,
     "analysis": 2207,
-    "cli": 2059,
+    "cli": 2172,
     "mechanics": 966,
-    "report": 1487,
+    "report": 1556,
     "rivals": 694,
     "scene": 3448,
     "solvers": 2417,
-    "study": 2125,
+    "study": 2174,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""
 

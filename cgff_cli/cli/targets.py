@@ -60,9 +60,10 @@ def check_targets(
     targets = [(path, what) for path, what in asked if path and path != STDOUT and not is_stream(path)]
     taken: dict[Identity, str] = {}
     for path, what in targets:
-        if _identity(path) in taken:
-            raise click.UsageError(f"{path} would be written over {taken[_identity(path)]}")
-        taken[_identity(path)] = what
+        own = _identity(path)
+        if own in taken:
+            raise click.UsageError(f"{path} would be written over {taken[own]}")
+        taken[own] = what
     refuse_inputs(targets, inputs)
     if folder is not None:
         make_folder(folder)

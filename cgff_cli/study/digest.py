@@ -6,7 +6,6 @@ import os
 import platform
 from collections.abc import Iterable, Iterator
 from functools import cache
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +26,15 @@ def digest_of(told: Any, parts: Iterable[bytes] = ()) -> str:
     return found.hexdigest()[:16]
 
 
+def file_digest(path: str) -> str | None:
+    """Return a digest of a file's bytes; None where it cannot be read."""
+    try:
+        with open(path, "rb") as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()[:16]
+    except OSError:
+        return None
+
+
 def contents(scene: Scene) -> Iterator[bytes]:
     """Yield all of a scene that an answer depends on."""
     words = (scene.name, scene.law, scene.node_names, scene.supports, scene.loads, scene.solver)
@@ -40,6 +48,8 @@ def contents(scene: Scene) -> Iterator[bytes]:
 @cache
 def machine() -> dict[str, Any]:
     """Return what times depend on besides the program."""
+    from importlib.metadata import version
+
     return {
         "python": platform.python_version(),
         "numpy": np.__version__,

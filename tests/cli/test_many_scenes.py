@@ -43,7 +43,7 @@ def everything(run: Run, folder: str, *flags: str) -> list[object]:
     """Return all that a run tells, in whatever way, but for times."""
     summary = f"{folder}.csv"
     ended = run("solve", *MANY, "--out-dir", folder, "--summary", summary, "--format", "jsonl", *flags)
-    files = {path.name: without_times(path.read_text()) for path in Path(folder).iterdir()}
+    files = {path.name: without_times(path.read_text()) for path in Path(folder).glob("[!.]*")}
     told = without_times(ended.stdout), without_times(Path(summary).read_text())
     return [ended.exit_code, ended.stderr, files, *told]
 
