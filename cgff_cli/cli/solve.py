@@ -71,7 +71,7 @@ def command(ctx: click.Context, scenes: tuple[str, ...], **values: Any) -> None:
     refuse = outputs.refuse_inputs if piped else None
     work = Solving(given_solve_options(values), outputs.writing, required, processes > 1, refuse)
     code = ExitCode.OK
-    with earlier(scenes, work, values["resume"]) as (jobs, journal, known):
+    with earlier(scenes, work, outputs, values["resume"]) as (jobs, journal, known):
         for ended in watched(done(jobs, work, known, processes), len(scenes), len(known)):
             code = worst(code, took(ended, outputs, journal))
             if code is ExitCode.INTERRUPTED:

@@ -103,7 +103,7 @@ class Solving:
 
 @contextmanager
 def earlier(
-    scenes: Sequence[str], work: Solving, resume: bool
+    scenes: Sequence[str], work: Solving, outputs: Outputs, resume: bool
 ) -> "Iterator[tuple[Iterable[SceneJob], MutableMapping[str, Any], dict[str, Kept]]]":
     """Give the jobs, where to note what was written of them, and, to resume, what is there of them."""
     folder = work.writing.flags["out_dir"]
@@ -116,7 +116,7 @@ def earlier(
         if not resume:
             yield map(work.job, scenes), journal, {}
             return
-        clear_away(folder)
+        clear_away(path for path, _ in outputs.targets)
         jobs = list(map(work.job, scenes))
         found = {job.digest: work.known(job, journal.get(job.digest)) for job in jobs}
         yield jobs, journal, {digest: kept for digest, kept in found.items() if kept is not None}

@@ -63,13 +63,14 @@ def check_target(path: str) -> None:
     _place(path)
 
 
-def clear_away(folder: str) -> None:
-    """Remove from a folder what writers that were killed left of files beside their places."""
-    for name in filter(_PART.fullmatch, os.listdir(folder)):
-        part = os.path.join(folder, name)
-        with suppress(OSError), open(part, "rb") as file:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)  # whoever writes it still holds it
-            os.unlink(part)
+def clear_away(targets: Iterable[str]) -> None:
+    """Remove what writers that were killed left beside files such as these."""
+    for folder in {os.path.dirname(os.path.realpath(path)) for path in targets}:
+        for name in filter(_PART.fullmatch, os.listdir(folder)):
+            part = os.path.join(folder, name)
+            with suppress(OSError), open(part, "rb") as file:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)  # whoever writes it still holds it
+                os.unlink(part)
 
 
 def _place(path: str) -> tuple[str, int | None]:
