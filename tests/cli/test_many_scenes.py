@@ -21,20 +21,6 @@ def scenes(run: Run, bad: str) -> None:
     Path("flat.yaml").write_text(f"{prism}solver: {{max_iterations: 2}}\n")
 
 
-@pytest.fixture
-def solved(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """Return the scenes solved so far."""
-    names: list[str] = []
-    real = pipeline.solve
-
-    def counted(scene, **options):
-        names.append(scene.path)
-        return real(scene, **options)
-
-    monkeypatch.setattr(pipeline, "solve", counted)
-    return names
-
-
 def without_times(text: str) -> str:
     return re.sub(r'"seconds": [^}]+|,[^,\n]+$', "", text, flags=re.MULTILINE)
 

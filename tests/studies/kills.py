@@ -127,7 +127,10 @@ def measured(name, kills, seed):
             ended += 1
             wrong += differing(right, left(command, folder))
     size = sum(map(len, right.values()))
-    print(f"{name:16} {seconds:6.2f} {code:5} {done:6} {ended:6} {len(right):6} {size:10} {wrong:10}", flush=True)
+    print(
+        f"{name:16} {seconds:6.2f} {code:5} {done:6} {ended:6} {len(right):6} {size:10} {wrong:10}",
+        flush=True,
+    )
 
 
 def main():
