@@ -16,11 +16,11 @@ BUDGET = {
     "analysis": 2207,
     "cli": 2172,
     "mechanics": 966,
-    "report": 1556,
+    "report": 1557,
     "rivals": 694,
     "scene": 3448,
     "solvers": 2417,
-    "study": 2174,
+    "study": 2181,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""
 

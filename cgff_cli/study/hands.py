@@ -10,8 +10,6 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
 from functools import partial
 from importlib import import_module
-from multiprocessing import parent_process
-from threading import Thread
 from typing import Any, NamedTuple
 
 AHEAD = 4
@@ -80,10 +78,14 @@ def _refuse(error: Exception) -> Any:
 
 def _end_with_parent() -> None:
     """End this worker once the process that began it has gone, killed say: nobody else would."""
+    from threading import Thread
+
     Thread(target=_outlive_nobody, daemon=True).start()
 
 
 def _outlive_nobody() -> None:
+    from multiprocessing import parent_process
+
     parent = parent_process()
     if parent is not None:
         parent.join()

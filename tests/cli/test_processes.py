@@ -108,7 +108,7 @@ def test_many_scenes_are_counted_on_a_terminal_and_words_have_lines_of_their_own
     arguments = ["double.yaml", PRISM, "--jobs", jobs, "--out-dir", "out"]
     shown = _on_terminal([*CGFF, "solve", *arguments], ENVIRONMENT, tmp_path).decode()
     assert "\r0 of 2 scenes  " in shown
-    assert re.search(r"\r1 of 2 scenes  \d\S*/s  1 s left", shown)
+    assert re.search(r"\r1 of 2 scenes  \d\S*/\w+  \S+ s left", shown)
     lines = [line.rpartition("\r")[2] for line in shown.split("\r\n")]  # as they stay
     assert [line.partition(": warning")[0] for line in lines] == ["cgff: double.yaml", ""]
 
