@@ -16,7 +16,7 @@ from cgff_cli.cli.options import (
 from cgff_cli.cli.outputs import Outputs
 from cgff_cli.cli.requirements import ALLOWED, requirements
 from cgff_cli.cli.solving import Solving, earlier, took, watched
-from cgff_cli.report.files import STDOUT
+from cgff_cli.report.files import STDOUT, is_stream
 
 _EPILOG = examples(
     "cgff solve prism.yaml -o prism.json --history prism.csv",
@@ -61,11 +61,11 @@ def command(ctx: click.Context, scenes: tuple[str, ...], **values: Any) -> None:
     """
     from cgff_cli.study.machine import done
 
-    piped = STDOUT in scenes
+    piped = any(scene == STDOUT or is_stream(scene) for scene in scenes)
     if values["resume"] and (values["out_dir"] is None or piped):
         raise click.UsageError("--resume needs --out-dir DIR, and scenes that are files")
     outputs = Outputs(scenes, values)
-    # Standard input is there for this process alone.
+    # Standard input and what a shell opens are there for this process alone, and once.
     processes = 1 if piped else min(values["jobs"], len(scenes))
     required = tuple(chain.from_iterable(values["require"]))
     refuse = outputs.refuse_inputs if piped else None

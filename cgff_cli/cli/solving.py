@@ -21,7 +21,7 @@ from cgff_cli.cli.common import (
 from cgff_cli.cli.outputs import Outputs, Writing
 from cgff_cli.cli.requirements import Requirement, judged_for, unmet
 from cgff_cli.errors import CgffError
-from cgff_cli.report.files import STDOUT, clear_away
+from cgff_cli.report.files import STDOUT, clear_away, is_stream
 
 if TYPE_CHECKING:
     from cgff_cli.result import Result
@@ -88,7 +88,7 @@ class Solving:
         """Return the job of a scene, with a digest of all that its result depends on where it has files."""
         from cgff_cli.study.scenes import SceneJob, resumable
 
-        if self.writing.flags["out_dir"] is None or path == STDOUT:
+        if self.writing.flags["out_dir"] is None or path == STDOUT or is_stream(path):
             return SceneJob(path)
         forms = sorted({file.form for file in self.writing.files(path)})
         return resumable(path, [self.options, [own.words for own in self.required], forms])

@@ -81,11 +81,11 @@ def refuse_inputs(targets: Sequence[Named], inputs: Iterable[Named]) -> None:
 
 
 def files_of(scenes: Iterable[str]) -> Iterator[Named]:
-    """Yield the files that scenes are read from; those of standard input are known once it is read."""
+    """Yield the files that scenes are read from; those of pipes are known once they are read."""
     from cgff_cli.scene.read import tables_of
 
     for scene in scenes:
-        if scene != STDOUT:
+        if scene != STDOUT and not is_stream(scene):
             yield scene, f"the scene {scene}"
             yield from ((table, f"a table of {scene}") for table in tables_of(scene))
 
@@ -93,6 +93,8 @@ def files_of(scenes: Iterable[str]) -> Iterator[Named]:
 def _identity(path: str) -> Identity:
     try:
         status = os.stat(path)
-    except (OSError, ValueError):
+    except OSError:
         return os.path.realpath(path)
+    except ValueError:  # no file has a name with a null in it
+        return path
     return status.st_dev, status.st_ino

@@ -32,7 +32,7 @@ def _bytes(path: str) -> bytes:
     try:
         with open(path, "rb") as file:
             return file.read()
-    except OSError:
+    except (OSError, ValueError):  # no file has a name with a null in it
         return b""
 
 

@@ -136,6 +136,15 @@ def test_a_last_line_that_was_cut_off_costs_its_own_scene_alone(run: Run, solved
     assert json.loads(Path("out/prism2.json").read_text())["converged"] is True
 
 
+def test_a_table_of_no_possible_name_is_a_mistake_of_its_scene_alone(run: Run):
+    Path("null.yaml").write_text('law: paper\nnodes: "a\\0.csv"\nelements: {}\n')
+    for flags in ([], ["--resume"], ["--jobs", "2"]):
+        ended = run("solve", "null.yaml", "prism.yaml", "--out-dir", "out", *flags)
+        assert ended.exit_code == 3
+        assert ended.stderr.startswith("null.yaml:2:8: nodes: cannot read")
+        assert "error" not in ended.stderr
+
+
 @pytest.mark.parametrize("arguments", [("prism.yaml", "--resume"), ("-", "--out-dir", "d", "--resume")])
 def test_only_a_folder_of_results_of_files_can_be_gone_on_with(run: Run, arguments: tuple[str, ...]):
     ended = run("solve", *arguments, stdin="")

@@ -31,6 +31,13 @@ def test_a_result_survives_a_pipe_byte_for_byte():
     assert piped.stderr == b""
 
 
+def test_a_pipe_named_as_a_file_is_read_once_and_here(tmp_path: Path):
+    command = [*CGFF, "solve", "/dev/stdin", PRISM, "--jobs", "2", "--out-dir", "out"]
+    for _ in range(2):  # the second time there is a file to be replaced
+        subprocess.run(command, input=Path(PRISM).read_bytes(), env=ENVIRONMENT, cwd=tmp_path, check=True)
+    assert sorted(path.name for path in (tmp_path / "out").glob("[!.]*")) == ["prism.json", "stdin.json"]
+
+
 @pytest.mark.parametrize(("flags", "begins"), [([], b"{\n"), (["--format", "csv"], b"name,x,y,z\n")])
 def test_a_device_has_no_suffix_and_takes_the_format_asked_for(flags: list[str], begins: bytes):
     command = [*CGFF, "solve", PRISM, "-o", "/dev/stdout", *flags]
