@@ -12,15 +12,15 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 1695,
-    "analysis": 2207,
-    "cli": 2409,
+    "top": 1739,
+    "analysis": 2201,
+    "cli": 2526,
     "mechanics": 966,
-    "report": 1716,
+    "report": 1786,
     "rivals": 694,
-    "scene": 3991,
+    "scene": 4434,
     "solvers": 2417,
-    "study": 2874,
+    "study": 2962,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TextIO, TypeVar
 import click
 
 from cgff_cli.errors import CgffError, OptionError, SceneError
+from cgff_cli.report.files import STDOUT, write_output
 
 if TYPE_CHECKING:
     from cgff_cli.report.progress import Progress
@@ -35,6 +36,8 @@ class ExitCode(IntEnum):
 
 
 _SEVERITY = ("OK", "UNMET", "NOT_CONVERGED", "SCENE", "USAGE", "ERROR", "INTERRUPTED", "BROKEN_PIPE")
+
+_LINE = "cgff.line"
 
 _WIDEST = 24  # columns of a flag that keeps its help beside it
 
@@ -117,6 +120,7 @@ def drawn(page: Iterable[Any]) -> str:
 
 def say(text: str) -> None:
     """Write one line of words to standard error; where nobody can read them, they change nothing."""
+    _make_way()
     with suppress(OSError):
         click.echo(text, err=True)
 
@@ -132,16 +136,41 @@ def title(scene: str) -> str:
     return "<stdin>" if scene == "-" else scene
 
 
+def tell(pieces: Iterable[str]) -> None:
+    """Write pieces of data to standard output, in place of what shows progress there."""
+    if sys.stdout.isatty():
+        _make_way()
+    write_output(STDOUT, pieces)
+
+
+def _make_way() -> None:
+    """Wipe what shows progress, for something else to be written."""
+    ctx = click.get_current_context(silent=True)
+    if ctx and _LINE in ctx.meta:
+        ctx.meta[_LINE].wipe()
+
+
 @contextmanager
 def progress(words: str, **more: Any) -> Iterator["Progress | None"]:
-    """Give what shows progress on standard error; None where that is no terminal, or -q was given."""
+    """Give what shows progress on standard error; None where that is no terminal, or -q was given.
+
+    Within another it is that one.
+    """
     if wanted("quiet") or not sys.stderr.isatty():
         yield None
+        return
+    ctx = click.get_current_context()
+    if _LINE in ctx.meta:
+        yield ctx.meta[_LINE]
         return
     from cgff_cli.report.progress import Progress
 
     with Progress(words, **more) as line:
-        yield line
+        ctx.meta[_LINE] = line
+        try:
+            yield line
+        finally:
+            del ctx.meta[_LINE]
 
 
 def report_error(error: Exception) -> ExitCode:

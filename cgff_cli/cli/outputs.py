@@ -3,6 +3,8 @@
 import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import chain
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
@@ -28,6 +30,9 @@ _BESIDE = ("table", "jsonl")
 """Formats that standard output may get beside a file."""
 
 
+_OF_A_RESULT = ("output", "out_dir", "output_format", "history", "elements")
+
+
 class File(NamedTuple):
     """A file to write: where, what (result, history, elements) and how (json, csv)."""
 
@@ -36,44 +41,33 @@ class File(NamedTuple):
     form: str
 
 
-class Outputs:
-    """What the output flags ask for, all checked before any scene is solved.
+@dataclass(frozen=True)
+class Writing:
+    """Where the result of each scene goes and how: what the processes that solve them have to know.
 
-    files : scene -> the files its result goes to
+    flags : those that name files, and --format
     shown : what standard output gets: table, json or csv of the one scene, a summary of many,
             lines of JSON, or nothing. Files silence it, unless --format table or jsonl asks for both.
     """
 
-    def __init__(self, scenes: Sequence[str], flags: Mapping[str, Any]):
-        _refuse_conflicts(scenes, flags)
-        self.summary: str | None = flags["summary"]
-        self.as_lines = bool(self.summary) and form_of_file("--summary", self.summary, _SUMMARY) == "jsonl"
-        self.files = {scene: list(_files(scene, flags)) for scene in scenes}
-        self.shown = _shown(flags, many=len(scenes) > 1)
-        self.rows: list[dict[str, Any]] = []
-        own = [(file.path, f"the {file.kind} of {scene}") for scene in scenes for file in self.files[scene]]
-        listed = [(flags["files_from"], "the list of scenes")] if flags["files_from"] else []
-        inputs = (*listed, *files_of(scenes))
-        self.targets = check_targets([*own, (self.summary, "the summary")], inputs, flags["out_dir"])
+    flags: Mapping[str, Any]
+    shown: str
 
-    @property
-    def on_page(self) -> bool:
-        """Whether a terminal shows the page of each result, its warnings among the rest."""
-        return self.shown == "table" and sys.stdout.isatty()
-
-    def refuse_inputs(self, scene: "Scene") -> None:
-        """Raise UsageError where an output would replace a file that a scene was read from."""
-        refuse_inputs(self.targets, ((path, f"a file of {scene.path}") for path in scene.files))
+    def files(self, scene: str) -> list[File]:
+        """Return the files that the result of a scene goes to."""
+        return list(_files(scene, self.flags))
 
     def write(self, scene: str, result: "Result") -> Iterable[str]:
         """Write one result to its files; return the pieces of standard output. Raises CgffError."""
-        for file in self.files[scene]:
+        for file in self.files(scene):
             write_output(file.path, _text(result, file.kind, file.form))
         return () if self.shown in ("", "summary") else _text(result, "result", self.shown)
 
-    def are_there(self, scene: str) -> bool:
-        """Return whether all files of a scene were written before."""
-        return all(os.path.isfile(file.path) for file in self.files[scene])
+    def digests(self, scene: str) -> list[str | None]:
+        """Return a digest of each file of a scene: a loss of power may have cut what was whole."""
+        from cgff_cli.study.digest import file_digest
+
+        return [file_digest(file.path) for file in self.files(scene)]
 
     def written(self, scene: str) -> Iterable[str]:
         """Return the pieces of standard output of a scene that was solved before: a line, from its file."""
@@ -83,8 +77,37 @@ class Outputs:
 
         from cgff_cli.report import json_out
 
-        with open(self.files[scene][0].path, encoding="utf-8") as file:
+        with open(self.files(scene)[0].path, encoding="utf-8") as file:
             return json_out.line(json.load(file).items())
+
+
+class Outputs:
+    """What the output flags ask for, all checked before any scene is solved, and the rows of summaries."""
+
+    def __init__(self, scenes: Sequence[str], flags: Mapping[str, Any]):
+        _refuse_conflicts(scenes, flags)
+        self.summary: str | None = flags["summary"]
+        self.as_lines = bool(self.summary) and form_of_file("--summary", self.summary, _SUMMARY) == "jsonl"
+        own = {name: flags[name] for name in _OF_A_RESULT}
+        self.writing = Writing(own, _shown(flags, many=len(scenes) > 1))
+        self.rows: list[dict[str, Any]] = []
+        files = [
+            (file.path, f"the {file.kind} of {scene}")
+            for scene in scenes
+            for file in self.writing.files(scene)
+        ]
+        listed = [(flags["files_from"], "the list of scenes")] if flags["files_from"] else []
+        inputs = chain(listed, files_of(scenes))
+        self.targets = check_targets([*files, (self.summary, "the summary")], inputs, flags["out_dir"])
+
+    @property
+    def on_page(self) -> bool:
+        """Whether a terminal shows the page of each result, its warnings among the rest."""
+        return self.writing.shown == "table" and sys.stdout.isatty()
+
+    def refuse_inputs(self, scene: "Scene") -> None:
+        """Raise UsageError where an output would replace a file that a scene was read from."""
+        refuse_inputs(self.targets, ((path, f"a file of {scene.path}") for path in scene.files))
 
     def failed(self, scene: str, verdict: str) -> None:
         """Remember a scene that has no result, so that the summaries show it."""
@@ -96,7 +119,7 @@ class Outputs:
             from cgff_cli.report.summary import summary_csv, summary_lines
 
             write_output(self.summary, (summary_lines if self.as_lines else summary_csv)(self.rows))
-        if self.shown == "summary":
+        if self.writing.shown == "summary":
             from cgff_cli.report.summary import summary_page
 
             write_output(STDOUT, [drawn(summary_page(self.rows))])

@@ -74,7 +74,7 @@ class Written(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Writing:
+class RowsWriting:
     """The work on a chunk: its rows as text, csv or jsonl."""
 
     plan: "Sweep"
@@ -137,14 +137,15 @@ def _filled(
         sink.add("".join(columns(dict.fromkeys((path or plan).names, ()))))
     left = rows[sink.counts["rows_done"] :]
     found = _walked(path, form, sink, name) if path else _worked_out(plan, form, left, values)
-    with progress(name) as line:
+    before = sink.counts["rows_done"]
+    with progress(name, delay=0.0) as line:
         for ended in found:
             code = failed(ended, name)
             if code is not None:
                 return code
             sink.add(**ended.found._asdict())
             if line is not None:
-                line.show(f"{sink.counts['rows_done']} of {len(rows)} rows")
+                line.count(sink.counts["rows_done"], len(rows), "rows", before)
     return ExitCode.OK
 
 
@@ -153,7 +154,7 @@ def _worked_out(plan: "Sweep", form: str, left: range, values: Mapping[str, Any]
     from cgff_cli.study.machine import done
 
     processes = min(values["jobs"], max(1, -(-len(left) // plan.at_once)))
-    return done(plan.chunks(left), Writing(plan, form), None, processes, _others(values["dask"], left))
+    return done(plan.chunks(left), RowsWriting(plan, form), None, processes, _others(values["dask"], left))
 
 
 def _path(plan: "Sweep", sink: "Sink") -> "Path":

@@ -24,7 +24,7 @@ _FORCES = "of node names to forces, or the name of a .csv file"
 _AXES = "of node names to axes such as xyz or z, or the name of a .csv file"
 
 
-class Block:
+class ActionBlock:
     """A part of a scene that a mapping or a table holds: where, what it says, the nodes it speaks of.
 
     base : the directory that names of CSV files are relative to
@@ -43,9 +43,9 @@ class Block:
             nodes.check_twice(table)
         return table
 
-    def inside(self, name: str, value: object) -> "Block":
+    def inside(self, name: str, value: object) -> "ActionBlock":
         """Return a part of this one."""
-        return Block(self.findings, (*self.where, name), value, self.points, self.base)
+        return ActionBlock(self.findings, (*self.where, name), value, self.points, self.base)
 
     def rows(self, keys: CellColumn, values: Mapping[str, Any] | None = None) -> list[int] | None:
         """Return the rows of the nodes that are named; None where one is no node, or was lost."""
@@ -58,7 +58,7 @@ class Block:
         return CellColumn(self.findings, keys, lambda row: (*self.where, keys[row]), at_key=True)
 
 
-def read_supports(block: Block) -> dict[int, str] | None:
+def read_supports(block: ActionBlock) -> dict[int, str] | None:
     """Return node row -> axes held, in the order x, y, z; None where any is wrong."""
     if fields.is_table(block.value):
         table = block.table("supports")
@@ -86,7 +86,7 @@ def read_supports(block: Block) -> dict[int, str] | None:
     return dict(zip(rows, held_in_order, strict=True))
 
 
-def read_loads(block: Block) -> Loads | None:
+def read_loads(block: ActionBlock) -> Loads | None:
     """Return node row -> force; None where any is wrong."""
     if fields.is_table(block.value):
         return _loads_of_table(block)
@@ -98,7 +98,7 @@ def read_loads(block: Block) -> Loads | None:
     return _by_row(block.rows(block.keys(values), values), forces)
 
 
-def _loads_of_table(block: Block) -> Loads | None:
+def _loads_of_table(block: ActionBlock) -> Loads | None:
     table = block.table("loads")
     if table is None:
         return None
@@ -119,7 +119,7 @@ def _by_row(rows: list[int] | None, forces: np.ndarray | None) -> Loads | None:
     return dict(zip(rows, map(tuple, forces.tolist()), strict=True))
 
 
-def read_gravity(block: Block) -> tuple[float, ...] | None:
+def read_gravity(block: ActionBlock) -> tuple[float, ...] | None:
     """Return the direction of weight; None where none is given, or it is wrong."""
     if is_absent(block.value):
         return None
@@ -133,7 +133,7 @@ def read_gravity(block: Block) -> tuple[float, ...] | None:
     return tuple(found_one[0].tolist())
 
 
-def read_cases(block: Block) -> dict[str, Loads] | None:
+def read_cases(block: ActionBlock) -> dict[str, Loads] | None:
     """Return the load cases, name -> node row -> force; None where any is wrong."""
     content = "of names of load cases to their forces"
     values = fields.optional(block.findings, block.where, block.value, content)
@@ -145,7 +145,7 @@ def read_cases(block: Block) -> dict[str, Loads] | None:
     return good if len(good) == len(values) and not lost(values) else None
 
 
-def read_combinations(block: Block, cases: object) -> dict[str, dict[str, float]] | None:
+def read_combinations(block: ActionBlock, cases: object) -> dict[str, dict[str, float]] | None:
     """Return the combinations, name -> case or "dead" -> factor; cases: the block of load cases as given."""
     content = "of names of combinations to factors"
     values = fields.optional(block.findings, block.where, block.value, content)
@@ -169,14 +169,14 @@ def read_combinations(block: Block, cases: object) -> dict[str, dict[str, float]
     return combinations
 
 
-def _numbers(block: Block, values: Mapping[str, Any]) -> np.ndarray | None:
+def _numbers(block: ActionBlock, values: Mapping[str, Any]) -> np.ndarray | None:
     """Return the numbers of a mapping; None where one is none."""
     keys = list(values)
     cells = CellColumn(block.findings, list(values.values()), lambda row: (*block.where, keys[row]))
     return cells.numbers(ANY_SIZE)
 
 
-def _check_names(block: Block, values: Mapping[str, Any]) -> None:
+def _check_names(block: ActionBlock, values: Mapping[str, Any]) -> None:
     """Record names that no file and no `--case` could have."""
     for name in values:
         if not _CASE.fullmatch(name):

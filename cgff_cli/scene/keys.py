@@ -94,7 +94,7 @@ def key_faults(
     return faults, [key for key in required if key in absent and key not in understood]
 
 
-def meant(key: str, absent: Collection[str]) -> list[str]:
+def meant_by(key: str, absent: Collection[str]) -> list[str]:
     """Return what is meant by a word that is none of those allowed; nothing where that is not clear."""
     return _meant(key, absent)[1]
 

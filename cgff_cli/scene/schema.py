@@ -10,7 +10,7 @@ from cgff_cli.hints import meant_or_all, nearest
 from cgff_cli.options import OPTIONS
 from cgff_cli.scene import elements, fields, nodes, physics
 from cgff_cli.scene.actions import (
-    Block,
+    ActionBlock,
     read_cases,
     read_combinations,
     read_gravity,
@@ -53,7 +53,7 @@ def read_scene(findings: Findings, value: object, path: str, base: str) -> Scene
     read = partial(_block, findings, values, base)
     points: Nodes | None = read("nodes", nodes.read_nodes, nodes.nodes_of_table)
     groups = read("elements", elements.read_elements, elements.groups_of_table, points, law)
-    blocks = {key: Block(findings, (key,), values.get(key), points, base) for key in SCENE_KEYS}
+    blocks = {key: ActionBlock(findings, (key,), values.get(key), points, base) for key in SCENE_KEYS}
     supports, loads = read_supports(blocks["supports"]), read_loads(blocks["loads"])
     gravity, cases = read_gravity(blocks["gravity"]), read_cases(blocks["load_cases"])
     combinations = read_combinations(blocks["combinations"], values.get("load_cases"))

@@ -13,7 +13,7 @@ from cgff_cli import hints
 from cgff_cli.errors import SceneError
 from cgff_cli.scene.fields import CellColumn
 from cgff_cli.scene.findings import NOWHERE, Findings, Mark, Where, quoted
-from cgff_cli.scene.keys import key_faults, meant
+from cgff_cli.scene.keys import key_faults, meant_by
 from cgff_cli.scene.text import read_text, reason
 
 HEADERS = {
@@ -144,7 +144,7 @@ def _has_header(table: Table, allowed: Collection[str]) -> bool:
     absent = [column for column in allowed if column not in header]
     if set(_LENGTHS) & set(header):
         absent = [column for column in absent if column not in _LENGTHS]
-    known = [column for column in header if column in allowed or meant(column, absent)]
+    known = [column for column in header if column in allowed or meant_by(column, absent)]
     faults, missing = key_faults(known, allowed, required, "column")
     if not set(map(str.lower, header)) & set(map(str.lower, allowed)):  # no header at all
         faults, missing = {}, required

@@ -1,6 +1,5 @@
 """Many scenes: a job for each, and the row that stays of its result."""
 
-from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from cgff_cli.result import Result
@@ -20,13 +19,12 @@ class SceneJob(NamedTuple):
     digest: str = ""
 
 
-def resumable(scenes: Sequence[str], asked: Any) -> Iterator[SceneJob]:
-    """Yield a job per scene, with a digest; asked: all else that results depend on, as plain values."""
+def resumable(path: str, asked: Any) -> SceneJob:
+    """Return the job of a scene file; asked: all else that its result depends on, as plain values."""
     from cgff_cli.scene.read import tables_of
     from cgff_cli.study.digest import digest_of
 
-    for path in scenes:
-        yield SceneJob(path, digest_of([path, asked], map(_bytes, (path, *tables_of(path)))))
+    return SceneJob(path, digest_of([path, asked], map(_bytes, (path, *tables_of(path)))))
 
 
 def _bytes(path: str) -> bytes:
@@ -34,7 +32,7 @@ def _bytes(path: str) -> bytes:
     try:
         with open(path, "rb") as file:
             return file.read()
-    except OSError:
+    except (OSError, ValueError):  # no file has a name with a null in it
         return b""
 
 
