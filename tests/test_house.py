@@ -12,15 +12,15 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 1739,
+    "top": 1817,
     "analysis": 2201,
-    "cli": 2526,
+    "cli": 2658,
     "mechanics": 966,
-    "report": 1786,
+    "report": 1896,
     "rivals": 694,
-    "scene": 4434,
-    "solvers": 2417,
-    "study": 2962,
+    "scene": 4450,
+    "solvers": 2421,
+    "study": 2964,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""
 

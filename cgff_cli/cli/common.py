@@ -131,6 +131,12 @@ def warn_of(scene: str, warnings: Iterable[str]) -> None:
         say(f"cgff: {title(scene)}: warning: {warning}")
 
 
+def note_of(scene: str, notes: Iterable[str]) -> None:
+    """Write what was passed over in a scene to standard error, where many words are wanted."""
+    for note in notes if wanted("verbose") else ():
+        say(f"cgff: {title(scene)}: note: {note}")
+
+
 def title(scene: str) -> str:
     """Return what a scene is called in words: its path, or <stdin>."""
     return "<stdin>" if scene == "-" else scene

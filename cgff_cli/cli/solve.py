@@ -9,6 +9,7 @@ from cgff_cli.cli.common import ExitCode, SectionCommand, examples, flag, word_o
 from cgff_cli.cli.options import (
     Checked,
     given_solve_options,
+    output_flag,
     output_options,
     scenes_arguments,
     solve_options,
@@ -26,6 +27,25 @@ _EPILOG = examples(
 
 @click.command("solve", cls=SectionCommand, epilog=_EPILOG)
 @output_options
+@flag(
+    "--case",
+    section="Scenes",
+    metavar="NAME",
+    help="Solve a load case or combination, from the equilibrium without cases; all: each of them.",
+)
+@flag(
+    "--start",
+    section="Scenes",
+    metavar="RESULT.json",
+    type=click.Path(),
+    help="Begin at the shape of a result of the same nodes.",
+)
+@output_flag("--scene-out", metavar="FILE.yaml", help="Also write the scene with the answer as its start.")
+@output_flag(
+    "--envelope",
+    metavar="FILE.csv",
+    help="Also write, with --case all, least and greatest force of each element and reaction.",
+)
 @flag(
     "--require",
     section="Judging",
@@ -69,7 +89,8 @@ def command(ctx: click.Context, scenes: tuple[str, ...], **values: Any) -> None:
     processes = 1 if piped else min(values["jobs"], len(scenes))
     required = tuple(chain.from_iterable(values["require"]))
     refuse = outputs.refuse_inputs if piped else None
-    work = Solving(given_solve_options(values), outputs.writing, required, processes > 1, refuse)
+    asked = given_solve_options(values), outputs.writing, required, processes > 1, refuse
+    work = Solving(*asked, values["case"], values["start"])
     code = ExitCode.OK
     with earlier(scenes, work, outputs, values["resume"]) as (jobs, journal, known):
         for ended in watched(done(jobs, work, known, processes), len(scenes), len(known)):

@@ -1,14 +1,15 @@
 """What `cgff solve` does with each scene, in this process or in others, and with what became of it."""
 
 import os
-from collections.abc import Callable, Iterable, Iterator, MutableMapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator, Mapping, MutableMapping, Sequence
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from cgff_cli.cli.common import (
     ExitCode,
     failed,
+    note_of,
     progress,
     report_error,
     say,
@@ -20,8 +21,9 @@ from cgff_cli.cli.common import (
 )
 from cgff_cli.cli.outputs import Outputs, Writing
 from cgff_cli.cli.requirements import Requirement, judged_for, unmet
-from cgff_cli.errors import CgffError
+from cgff_cli.errors import CgffError, OptionError
 from cgff_cli.report.files import STDOUT, clear_away, is_stream
+from cgff_cli.values import ALL_CASES
 
 if TYPE_CHECKING:
     from cgff_cli.result import Result
@@ -34,21 +36,25 @@ JOURNAL = ".cgff-rows.jsonl"
 
 
 class Kept(NamedTuple):
-    """What is left of a scene that was solved and written.
+    """What is left of a scene that was solved and written, in each of its cases.
 
-    digests : of its files
+    digests : path -> digest of its files
     text    : its piece of standard output, if that is not out
+    page    : what stands below the summary
     """
 
-    row: "Row"
-    digests: Sequence[str | None] = ()
+    rows: "list[Row]"
+    digests: Mapping[str, str | None]
     text: str = ""
+    page: str = ""
 
 
 @dataclass(frozen=True)
 class Solving:
     """The work on one scene, small enough to be handed to another process for each.
 
+    case   : a load case or combination, all of them, or none
+    start  : the result at whose shape it begins, if not at its own
     apart  : in a process of its own, whose standard output is nobody's
     refuse : raises where a scene may not be solved, now that its files are known
     """
@@ -58,31 +64,48 @@ class Solving:
     required: tuple[Requirement, ...]
     apart: bool
     refuse: "Callable[[Scene], None] | None" = None
+    case: str | None = None
+    start: str | None = None
 
     def __call__(self, job: "SceneJob") -> Kept:
-        """Solve and write a scene."""
+        """Solve and write a scene, in each of its cases."""
         from cgff_cli.study.scenes import summary_row
 
-        result = judged_for(self._result(job.path), self.required)
-        pieces = self.writing.write(job.path, result)
-        if not self.apart:
-            tell(pieces)
-        lacking = unmet(result, self.required) if result.converged else []
-        row = summary_row(title(job.path), result) | {"lacking": lacking}
-        digests = self.writing.digests(job.path) if job.digest else ()
-        return Kept(row, digests, "".join(pieces) if self.apart else "")
+        rows, texts, paths, results = [], [], [], []
+        for found in self._results(job.path):
+            result = judged_for(found, self.required)
+            pieces = self.writing.write(job.path, result)
+            if self.apart:
+                texts += list(pieces)
+            else:
+                tell(pieces)
+            lacking = unmet(result, self.required) if result.converged else []
+            rows.append(summary_row(title(job.path), result) | {"lacking": lacking})
+            paths += [file.path for file in self.writing.files(job.path, result.source.case)]
+            results += [result] if self.case == ALL_CASES else []
+        page = self.writing.enveloped(results) if results else ""
+        digests = self.writing.digests([*paths, *self.writing.beside]) if job.digest else {}
+        return Kept(rows, digests, "".join(texts), page)
 
-    def _result(self, path: str) -> "Result":
+    def _results(self, path: str) -> "Iterator[Result]":
         from cgff_cli import pipeline
         from cgff_cli.scene.read import load
 
         scene = load(path)
         if self.refuse is not None:
             self.refuse(scene)
-        if self.apart:
-            return pipeline.solve(scene, **self.options)
-        with progress(title(path)) as line:
-            return pipeline.solve(scene, observer=line, **self.options)
+        if self.start is not None:
+            scene = _begun(scene, self.start)
+        with nullcontext() if self.apart else progress(title(path)) as line:
+            if self.case is None:
+                yield pipeline.solve(scene, observer=line, **self.options)
+                return
+            from cgff_cli.cases import solve_cases
+
+            names = scene.cases if self.case == ALL_CASES else [self.case]
+            if not names:
+                raise OptionError(f"{title(path)}: --case all: the scene has no load_cases or combinations")
+            yield from solve_cases(scene, names, observer=line, **self.options)
 
     def job(self, path: str) -> "SceneJob":
         """Return the job of a scene, with a digest of all that its result depends on where it has files."""
@@ -91,14 +114,37 @@ class Solving:
         if self.writing.flags["out_dir"] is None or path == STDOUT or is_stream(path):
             return SceneJob(path)
         forms = sorted({file.form for file in self.writing.files(path)})
-        return resumable(path, [self.options, [own.words for own in self.required], forms])
+        asked = [self.options, [own.words for own in self.required], forms, self.case]
+        return resumable(path, asked, [] if self.start is None else [self.start])
 
     def known(self, job: "SceneJob", entry: Any) -> Kept | None:
         """Return what is there of a scene, where all its files are those that a journal tells of."""
-        if not isinstance(entry, dict) or entry.get("digests") != self.writing.digests(job.path):
+        digests = entry.get("digests") if isinstance(entry, dict) else None
+        if not isinstance(digests, dict) or digests != self.writing.digests(digests):
             return None
         # The page of a scene takes more than its files hold.
         return Kept(**entry) if self.writing.shown in ("", "lines", "summary") else None
+
+
+def _begun(scene: "Scene", start: str) -> "Scene":
+    """Return a scene that begins at the shape of a result, its supports where they are."""
+    from cgff_cli.scene.findings import first_few
+    from cgff_cli.scene.read import load
+
+    shape = load(start, results=True)
+    strangers = [name for name in shape.node_names if name not in set(scene.node_names)]
+    lacking = [name for name in scene.node_names if name not in set(shape.node_names)]
+    for names, where in ((strangers, f"{scene.path} has not"), (lacking, "it has not")):
+        if names:
+            raise OptionError(
+                f"--start {start}: is of another scene, with nodes that {where}: {first_few(names)}"
+            )
+    if shape.dimension != scene.dimension:
+        raise OptionError(
+            f"--start {start}: has {shape.dimension} dimensions, {scene.path} {scene.dimension}"
+        )
+    rows = [shape.row_of(name) for name in scene.node_names]
+    return scene.begun_at(shape.coordinates[rows])
 
 
 @contextmanager
@@ -150,20 +196,24 @@ def took(ended: "Done", outputs: Outputs, journal: "MutableMapping[str, Any]") -
             outputs.failed(scene, "bad_scene" if code is ExitCode.SCENE else "error")
         return code
     kept = ended.found
-    tell([kept.text] if ended.is_new else outputs.writing.written(scene))
-    outputs.rows.append(kept.row)
-    noted = _note(ended, journal)
-    if not outputs.on_page:
-        warn_of(scene, kept.row["warnings"])
-    return worst(noted, _tell(title(scene), kept.row))
+    tell([kept.text] if ended.is_new else outputs.writing.written(scene, kept.rows))
+    outputs.rows += kept.rows
+    outputs.pages.append(kept.page)
+    codes = [_note(ended, journal)]
+    for row in kept.rows:
+        if not outputs.on_page:
+            warn_of(scene, row["warnings"])
+        note_of(scene, row["notes"])
+        codes.append(_tell(title(scene), row))
+    return worst(*codes)
 
 
 def _note(ended: "Done", journal: "MutableMapping[str, Any]") -> ExitCode:
     """Note a scene that is solved; where that cannot be, its result stands all the same."""
-    row, digests, _ = ended.found
-    if ended.is_new and ended.job.digest and not row["interrupted"]:
+    kept = ended.found
+    if ended.is_new and ended.job.digest and not any(row["interrupted"] for row in kept.rows):
         try:
-            journal[ended.job.digest] = {"row": row, "digests": digests}
+            journal[ended.job.digest] = {"rows": kept.rows, "digests": kept.digests}
         except CgffError as error:
             return report_error(error)
     return ExitCode.OK
@@ -171,6 +221,7 @@ def _note(ended: "Done", journal: "MutableMapping[str, Any]") -> ExitCode:
 
 def _tell(name: str, row: "Row") -> ExitCode:
     """Say on standard error what a reader of the exit code alone would miss."""
+    name = f"{name} [{row['case']}]" if row["case"] else name
     if not row["converged"] or row["interrupted"] or wanted("verbose"):
         say(f"cgff: {name}: {row['verdict']}: {row['message']}")
     if row["interrupted"]:

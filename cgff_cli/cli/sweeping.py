@@ -238,6 +238,7 @@ def _identity(plan: "Sweep", values: Mapping[str, Any]) -> dict[str, Any]:
         "--scale": list(map("=".join, values["factors"])),
         "--zip": values["is_zipped"],
         "--follow": values["follow"],
+        "--case": values["case"],
         "--random": values["random"],
         "--out": list(values["outs"]),
         "--shard": "/".join(map(str, values["shard"])),

@@ -11,13 +11,11 @@ from cgff_cli.scene.fields import CellColumn, found, is_absent
 from cgff_cli.scene.findings import Findings, Where, quoted
 from cgff_cli.scene.keys import lost
 from cgff_cli.scene.nodes import ANY_SIZE, Nodes
-from cgff_cli.scene.scene import AXES, DEAD, Loads
+from cgff_cli.scene.scene import AXES, Loads
+from cgff_cli.values import ALL_CASES, DEAD
 
 if TYPE_CHECKING:
     from cgff_cli.scene.tables import Table
-
-ALL_CASES = "all"
-"""What `--case` calls every case and combination."""
 
 _CASE = re.compile(r"[A-Za-z0-9_-]+")
 _FORCES = "of node names to forces, or the name of a .csv file"

@@ -26,6 +26,11 @@ if TYPE_CHECKING:
 
 STDIN = "<stdin>"
 
+NO_SCENE = (
+    "this is the result of a solve, not a scene: `cgff analyse` judges it, `cgff solve SCENE --start` begins "
+    "at its shape, and `--scene-out` writes a scene when solving"
+)
+
 PAPER = ("x-module", "hexagon", "prism")
 """The paper's structures, in the order of its Tables II, III and IV."""
 
@@ -99,7 +104,9 @@ def _read(text: str, path: str, base: str, results: bool) -> Scene:
     document = _json(text, path) or Document(yaml_events(text))
     while True:
         findings, value, moved = Findings(document.faults), document.value, _unmoved
-        if results and is_result(value):
+        if is_result(value):
+            if not results:
+                raise SceneError([Problem(path, *document.place((), False), NO_SCENE)])
             found = ResultValues(value)
             value, moved = found.value, found.where
         scene = read_scene(findings, value, path, base) if document.whole else None

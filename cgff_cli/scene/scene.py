@@ -9,6 +9,7 @@ import numpy as np
 
 from cgff_cli.errors import OptionError
 from cgff_cli.hints import did_you_mean, meant_or_all
+from cgff_cli.values import DEAD
 
 LAWS = ("paper", "hooke")
 KINDS = ("cable", "strut")
@@ -16,9 +17,6 @@ AXES = "xyz"
 
 Loads = Mapping[int, tuple[float, ...]]
 """Node row -> (d,) force."""
-
-DEAD = "dead"
-"""What combinations call weight and loads."""
 
 
 @dataclass(frozen=True, eq=False)  # arrays have no one answer to ==
@@ -57,6 +55,7 @@ class Scene:
     load_cases  : name -> node row -> (d,) force, added to loads and weight where that case is asked for
     combinations : name -> case, or "dead" for loads and weight -> factor
     case        : the case or combination that loads and weight are of, "" where none is
+    begins      : where a solve of a case begins        whole : the scene that it is a case of
     own         : keys that begin with x-, and their plain values
     notes       : what was passed over while reading, for whoever wants many words
     """
@@ -77,6 +76,8 @@ class Scene:
     load_cases: Mapping[str, Loads] = field(default_factory=dict)
     combinations: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     case: str = ""
+    begins: str = ""
+    whole: "Scene | None" = None
     own: Mapping[str, object] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
@@ -88,7 +89,7 @@ class Scene:
     @property
     def summary(self) -> dict[str, str | int]:
         """Name, path, law, dimension and the case, if it is in one: which scene it is."""
-        case: dict[str, str | int] = {"case": self.case} if self.case else {}
+        case: dict[str, str | int] = {"case": self.case, "begins": self.begins} if self.case else {}
         return {"name": self.name, "path": self.path, "law": self.law, "dimension": self.dimension, **case}
 
     @cached_property
@@ -143,7 +144,9 @@ class Scene:
         for part, factor in factors.items():
             for row, load in (self.loads if part == DEAD else self.load_cases[part]).items():
                 total[row] = total.get(row, 0.0) + factor * np.array(load)
-        scene = replace(self, case=name, loads={row: tuple(load.tolist()) for row, load in total.items()})
+        scene = replace(
+            self, case=name, whole=self, loads={row: tuple(load.tolist()) for row, load in total.items()}
+        )
         if self.weights is None or factors[DEAD] == 1.0:
             return scene
         own = (None if group.weight is None else factors[DEAD] * group.weight for group in self.groups)
@@ -174,6 +177,14 @@ class Scene:
             raise OptionError(f"coordinates must be finite numbers of the shape {X.shape}")
         groups = tuple(replace(group, pretension=None) for group in self.groups)
         return replace(self, coordinates=X, groups=groups)
+
+    def begun_at(self, shape: np.ndarray) -> "Scene":
+        """Return the same scene with another start, (n, d); what supports hold stays where it is."""
+        X = np.array(shape, dtype=float)
+        for row, axes in self.supports.items():
+            held = [AXES.index(axis) for axis in axes]
+            X[row, held] = self.coordinates[row, held]
+        return self.with_coordinates(X)
 
     def row_of(self, name: str) -> int:
         """Return the row of a node; raises OptionError where there is none of that name."""

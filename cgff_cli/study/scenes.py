@@ -1,5 +1,6 @@
 """Many scenes: a job for each, and the row that stays of its result."""
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from cgff_cli.result import Result
@@ -19,12 +20,12 @@ class SceneJob(NamedTuple):
     digest: str = ""
 
 
-def resumable(path: str, asked: Any) -> SceneJob:
-    """Return the job of a scene file; asked: all else that its result depends on, as plain values."""
+def resumable(path: str, asked: Any, others: Sequence[str] = ()) -> SceneJob:
+    """Return the job of a scene file; asked, others: all else that its result depends on, plain, in files."""
     from cgff_cli.scene.read import tables_of
     from cgff_cli.study.digest import digest_of
 
-    return SceneJob(path, digest_of([path, asked], map(_bytes, (path, *tables_of(path)))))
+    return SceneJob(path, digest_of([path, asked], map(_bytes, (path, *tables_of(path), *others))))
 
 
 def _bytes(path: str) -> bytes:
@@ -41,7 +42,7 @@ def summary_row(scene: str, result: Result) -> Row:
     analysis = result.analysis
     return {
         "scene": scene,
-        "case": None,
+        "case": result.source.case or None,
         "verdict": result.verdict,
         "stability": analysis.get("stability"),
         "iterations": result.counts["iterations"],
@@ -56,4 +57,5 @@ def summary_row(scene: str, result: Result) -> Row:
         "interrupted": result.interrupted,
         "message": result.message,
         "warnings": result.warnings,
+        "notes": result.source.notes,
     }
