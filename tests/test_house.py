@@ -14,7 +14,7 @@ MOST_LINES_OF_A_FUNCTION = 50
 BUDGET = {
     "top": 1680,
     "analysis": 2207,
-    "cli": 2174,
+    "cli": 2179,
     "mechanics": 966,
     "report": 1557,
     "rivals": 694,

@@ -150,7 +150,10 @@ def took(ended: "Done", outputs: Outputs, journal: "MutableMapping[str, Any]") -
             outputs.failed(scene, "bad_scene" if code is ExitCode.SCENE else "error")
         return code
     kept = ended.found
-    tell([kept.text] if ended.is_new else outputs.writing.written(scene))
+    if not ended.is_new:
+        tell(outputs.writing.written(scene))
+    elif kept.text:
+        tell([kept.text])
     outputs.rows.append(kept.row)
     noted = _note(ended, journal)
     if not outputs.on_page:
