@@ -16,7 +16,7 @@ BUDGET = {
     "analysis": 2207,
     "cli": 2179,
     "mechanics": 966,
-    "report": 1557,
+    "report": 1564,
     "rivals": 694,
     "scene": 3448,
     "solvers": 2417,
