@@ -14,7 +14,7 @@ MOST_LINES_OF_A_FUNCTION = 50
 BUDGET = {
     "top": 1680,
     "analysis": 2207,
-    "cli": 2179,
+    "cli": 2180,
     "mechanics": 966,
     "report": 1564,
     "rivals": 694,

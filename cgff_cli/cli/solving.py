@@ -95,7 +95,8 @@ class Solving:
 
     def known(self, job: "SceneJob", entry: Any) -> Kept | None:
         """Return what is there of a scene, where all its files are those that a journal tells of."""
-        if not isinstance(entry, dict) or entry.get("digests") != self.writing.digests(job.path):
+        found = self.writing.digests(job.path)
+        if None in found or not isinstance(entry, dict) or entry.get("digests") != found:
             return None
         # The page of a scene takes more than its files hold.
         return Kept(**entry) if self.writing.shown in ("", "lines", "summary") else None
