@@ -14,9 +14,9 @@ MOST_LINES_OF_A_FUNCTION = 50
 BUDGET = {
     "top": 1817,
     "analysis": 2201,
-    "cli": 2658,
+    "cli": 2664,
     "mechanics": 966,
-    "report": 1896,
+    "report": 1903,
     "rivals": 694,
     "scene": 4450,
     "solvers": 2421,
