@@ -348,6 +348,8 @@ def test_the_readme_names_every_other_page():
     assert sorted(linked) == sorted(page.name for page in PAGES if page is not README)
 
 
-def test_table_1_converges_on_none_of_the_structures():
+def test_table_1_converges_on_none_of_the_structures_that_begin_elsewhere():
     for path in sorted((ROOT / "structures").glob("*.yaml")):
-        assert cgff_cli.solve(path, method="table1").verdict == "step_vanished"
+        begun = cgff_cli.solve(path, max_iterations=0)
+        if not begun.converged and begun.residual["relative"] > 1e-3:
+            assert cgff_cli.solve(path, method="table1").verdict == "step_vanished", path
