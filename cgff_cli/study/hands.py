@@ -50,7 +50,7 @@ def _pool(processes: int) -> Iterator[Hands]:
 
     os.environ.update(ONE_THREAD)  # for the workers: what this process has loaded does not look again
     others = set(active_children())
-    pool = ProcessPoolExecutor(processes, get_context("spawn"))
+    pool = ProcessPoolExecutor(processes, get_context("spawn"), _end_with_parent)
 
     def begin(work: Callable[[Any], Any], job: object) -> Callable[[], Any]:
         """Hand a job to the pool; workers start deaf to interrupts, which would end them untimely."""
@@ -74,6 +74,22 @@ def _pool(processes: int) -> Iterator[Hands]:
 
 def _refuse(error: Exception) -> Any:
     raise error
+
+
+def _end_with_parent() -> None:
+    """End this worker once the process that began it has gone, killed say: nobody else would."""
+    from threading import Thread
+
+    Thread(target=_outlive_nobody, daemon=True).start()
+
+
+def _outlive_nobody() -> None:
+    from multiprocessing import parent_process
+
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def _at_work(work: Callable[[Any], Any], job: object) -> Any:

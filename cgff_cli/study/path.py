@@ -28,7 +28,7 @@ from cgff_cli.study.sweep import HOW_ROWS_ENDED, Sweep
 
 SMALL, SHARE = 1e-4, 0.25
 """A step is followed that moves no node farther beyond what is predicted than this share of the size, or of
-the largest predicted motion."""
+the largest predicted motion, as far as that is no larger than the structure."""
 
 NARROW = 1e-10
 """Share of a value to which a step is halved before what moves is said to fall: a shape that branches off has
@@ -126,7 +126,7 @@ class Path:
             b = self._point(ahead[-1], end)
             is_followed = end.converged and self._is_followed(a, b)
             if is_followed or (end.converged and self._is_narrow(a.value, b.value)):
-                if not is_followed:
+                if not is_followed and a.stability == "stable":  # else it was one of many
                     self.lost.append(b.value)
                     ahead[1:-1] = []
                 a = b
@@ -147,19 +147,24 @@ class Path:
         """Return whether a step moves the shape about as far as is predicted, there and back.
 
         Where an equilibrium has hardly any stiffness left, any motion is predicted, but not back from where
-        it fell.
+        it fell; and what fell may by chance lie where it is predicted, but not back.
         """
-        steps = (self.predicted(a, b.value), a.shape), (self.predicted(b, a.value), b.shape)
-        motions = [largest_move(there, here) for there, here in steps if there is not None]
-        jump = self.jump(a, b)
-        return jump is None or jump <= max(SMALL, SHARE * min(motions) / self.size)
+        steps = [(self.predicted(a, b.value), a, b), (self.predicted(b, a.value), b, a)]
+        moves = [
+            (self._off(there, end), largest_move(there, start.shape) / self.size)
+            for there, start, end in steps
+            if there is not None
+        ]
+        jumps, motions = zip(*moves, strict=True) if moves else ((0.0,), (1.0,))
+        return max(jumps) <= max(SMALL, SHARE * min(*motions, 1.0))
 
     def jump(self, a: PathPoint, b: PathPoint) -> float | None:
         """Return the largest distance of a node from where it is predicted, over the structure's size."""
         there = self.predicted(a, b.value)
-        if there is None:
-            return None
-        return largest_move(laid_over(b.shape, there, self.alignment), there) / self.size
+        return None if there is None else self._off(there, b)
+
+    def _off(self, there: np.ndarray, end: PathPoint) -> float:
+        return largest_move(laid_over(end.shape, there, self.alignment), there) / self.size
 
     def predicted(self, a: PathPoint, value: float) -> np.ndarray | None:
         """Return the shape, (n, d), that the tangent stiffness at a point predicts at another value.
@@ -192,6 +197,8 @@ def followed(plan: Sweep) -> Path:
     """Return a path from its beginning; raises OptionError where a sweep is none."""
     if len(plan.axes) != 1 or plan.order != "grid":
         raise OptionError("a path follows one swept number, through all its values in their order")
+    if plan.options.analysis == "never":
+        raise OptionError("what a path loses shows in the stability of its shapes: not with analysis never")
     (axis,), structure = plan.axes, from_scene(plan.scene)
     if axis.array == "coordinates" and structure.free[axis.place]:
         raise OptionError(f"{axis.key}: no path follows a start that is free to move")
