@@ -14,13 +14,13 @@ MOST_LINES_OF_A_FUNCTION = 50
 BUDGET = {
     "top": 1695,
     "analysis": 2207,
-    "cli": 2409,
+    "cli": 2415,
     "mechanics": 966,
-    "report": 1716,
+    "report": 1724,
     "rivals": 694,
     "scene": 3468,
     "solvers": 2417,
-    "study": 2874,
+    "study": 2898,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""
 

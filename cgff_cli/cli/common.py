@@ -156,6 +156,11 @@ def report_error(error: Exception) -> ExitCode:
     if isinstance(error, CgffError):
         say(f"cgff: {error}")
         return ExitCode.USAGE if isinstance(error, OptionError) else ExitCode.ERROR
+    from concurrent.futures import BrokenExecutor
+
+    if isinstance(error, BrokenExecutor):
+        say("cgff: a worker process was killed, maybe for want of memory")
+        return ExitCode.ERROR
     text = f"{type(error).__name__}: {error}".rstrip(": ")
     say(f"cgff: unexpected error: {text}; run again with --traceback")
     return ExitCode.ERROR

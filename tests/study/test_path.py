@@ -42,7 +42,7 @@ def path(scene: str, key: str, values: str, **asked: object) -> Path:
     return followed(planned(cgff_cli.loads(scene), set={key: values}, **asked))
 
 
-@pytest.mark.parametrize("values", ["0:-6:13", "0:-3.9:2", "0:-6:4", "0:-300:2", "-3:-4:2"])
+@pytest.mark.parametrize("values", ["0:-6:13", "0:-3.9:2", "0:-6:4", "0:-300:2", "-3:-4:2", "0:-1000:2"])
 def test_a_truss_snaps_through_at_the_load_of_its_closed_form(values: str):
     stops = list(path(TRUSS, "loads.b.y", values, out=["node:b"]).stops())
     (lost,) = [value for stop in stops for value in stop.lost]
@@ -52,6 +52,44 @@ def test_a_truss_snaps_through_at_the_load_of_its_closed_form(values: str):
         assert force(y) == pytest.approx(load, abs=1e-6)
         assert (y > 0.0) == (load > SNAPS)
         assert (stop.row["lost"] is not None) == ((stop.row["jump"] or 0.0) > 0.1)
+
+
+@pytest.mark.parametrize("values", ["0:-5350:3", "0:-54:2"])
+def test_a_tall_truss_snaps_through_however_far_a_step_leads(values: str):
+    rest = float(np.hypot(1.0, 2.0))
+    tall = TRUSS.replace("0.5", "2").replace(repr(REST), repr(rest))
+
+    def pushed(y: float) -> float:
+        return 200.0 / rest * (np.hypot(1.0, y) - rest) * y / np.hypot(1.0, y)
+
+    snaps = minimize_scalar(pushed, bounds=(0.0, 2.0), method="bounded", options={"xatol": 1e-12}).fun
+    (lost,) = [value for stop in path(tall, "loads.b.y", values).stops() for value in stop.lost]
+    assert lost == pytest.approx(snaps, rel=1e-7)
+
+
+def test_what_falls_after_another_is_told_each_for_itself():
+    one = TRUSS.replace("supports: {", "supports: {P: xy, Q: xy, d: xy, f: xy, ").replace(
+        "c: [1, 0]}", "c: [1, 0], d: [4, 0], e: [5, 0.3], f: [6, 0], P: [0, -6], Q: [5, -6]}"
+    )
+    low = float(np.hypot(1.0, 0.3))
+    two = f"""  other: {{kind: strut, EA: 150, rest_length: {low!r}, pairs: [[d, e], [f, e]]}}
+  pull: {{kind: cable, EA: 5, rest_length: 6, pairs: [[b, P], [e, Q]]}}
+supports"""
+    scene = one.replace("elements: {bars", "elements:\n  bars").replace("}}\nsupports", "}\n" + two)
+
+    def fold(h: float, stiff: float) -> float:
+        rest = np.hypot(1.0, h)
+
+        def pulled(y: float) -> float:  # 5 (6 + y - l0) / l0 in the cable is what the bars bear
+            l = np.hypot(1.0, y)
+            return 5.0 * (6.0 + y) / (5.0 - 2.0 * stiff / rest * (l - rest) * y / l)
+
+        return float(minimize_scalar(pulled, bounds=(0.0, h), method="bounded", options={"xatol": 1e-12}).fun)
+
+    expected = sorted((fold(0.5, EA), fold(0.3, 150.0)), reverse=True)
+    for values in ("6.5:2:2", "6.5:2:12"):
+        stops = path(scene, "pull.rest_length", values).stops()
+        assert [value for stop in stops for value in stop.lost] == pytest.approx(expected, rel=1e-7)
 
 
 def test_the_way_back_is_another_one():
@@ -111,6 +149,10 @@ def test_a_row_that_does_not_converge_says_so_and_the_path_goes_on_from_the_last
         (
             {"set": {"loads.b.y": "0:1"}, "random": 5},
             "a path follows one swept number, through all its values in their order",
+        ),
+        (
+            {"set": {"loads.b.y": "0:1:3"}, "analysis": "never"},
+            "what a path loses shows in the stability of its shapes: not with analysis never",
         ),
         ({"set": {"nodes.b.y": "0:1:3"}}, "nodes.b.y: no path follows a start that is free to move"),
     ],

@@ -181,6 +181,7 @@ def test_elements_without_rest_length_have_no_strain_to_tell():
             {"set": {"left.EA": "log:-1:2:3"}},
             "left.EA=log:-1:2:3: both ends of a range must be > 0 where it is logarithmic",
         ),
+        ({"set": {"loads.b.y": "-1e308:1e308:3"}}, "loads.b.y: y must be a finite number, got nan"),
         ({"set": {"left.EA": [1, "x"]}}, "left.EA: values must be numbers, got [1, 'x']"),
         ({"set": {"left.EA": "1"}, "scale": {"left.EA": "1"}}, "left.EA is both set and scaled"),
         (
