@@ -161,7 +161,9 @@ def _worked_out(plan: "Sweep", form: str, left: range, values: Mapping[str, Any]
     from cgff_cli.study.machine import done
 
     processes = min(values["jobs"], max(1, -(-len(left) // plan.at_once)))
-    return done(plan.chunks(left), Writing(plan, form), None, processes, _others(values["dask"], left))
+    return done(
+        plan.chunks(left), Writing(plan.for_workers, form), None, processes, _others(values["dask"], left)
+    )
 
 
 def _walked(path: "Path", form: str, sink: "Sink", name: str) -> "Iterator[Done]":

@@ -38,7 +38,8 @@ BETWEEN_ROWS = 1e-13
 """The tolerance between rows: what is left of an equilibrium that has just ended balances to looser ones."""
 
 LEAST_VALUE = 1e-3
-"""Share of all values' span below which one has no six digits of its own."""
+"""Share of all values' span below which one has no six digits of its own, and to which a step is halved from
+a shape that is one of many: nearer to that one what makes the others stable is within rounding."""
 
 OF_PATHS = ("jump", "lost")
 """What the rows of a path tell more; lost: the value at which an equilibrium ended since the last row."""
@@ -125,7 +126,7 @@ class Path:
         while a is not None:
             b = self._point(ahead[-1], end)
             is_followed = end.converged and self._is_followed(a, b)
-            if is_followed or (end.converged and self._is_narrow(a.value, b.value)):
+            if is_followed or (end.converged and self._is_narrow(a, b.value)):
                 if not is_followed and a.stability == "stable":  # else it was one of many
                     self.lost.append(b.value)
                     ahead[1:-1] = []
@@ -140,8 +141,11 @@ class Path:
             end = self._at(ahead[-1], a, 1.0 if len(ahead) == 1 else BETWEEN_ROWS)
         return end
 
-    def _is_narrow(self, a: float, b: float) -> bool:
-        return abs(b - a) <= NARROW * max(abs(a), abs(b), LEAST_VALUE * self.span)
+    def _is_narrow(self, a: PathPoint, b: float) -> bool:
+        least = LEAST_VALUE * self.span
+        if a.stability == "stable":
+            least = NARROW * max(abs(a.value), abs(b), least)
+        return abs(b - a.value) <= least
 
     def _is_followed(self, a: PathPoint, b: PathPoint) -> bool:
         """Return whether a step moves the shape about as far as is predicted, there and back.

@@ -1,5 +1,6 @@
 """A sweep: rows that stand for solves, in the order of the grid, whatever the chunks."""
 
+import pickle
 from collections.abc import Callable
 from dataclasses import replace
 from math import sqrt
@@ -117,6 +118,13 @@ def test_rows_do_not_depend_on_their_chunks_or_on_processes(prism: Scene):
     whole = plan.solved(Span(0, 30)).columns
     halves = [plan.solved(Span(0, 11)).columns, plan.solved(Span(11, 30)).columns]
     assert whole == {name: halves[0][name] + halves[1][name] for name in whole}
+
+
+def test_a_worker_is_handed_the_values_of_its_own_rows_alone(prism: Scene):
+    plan = planned(prism, set={"struts.EA": "10:1000:100000"}, out=["height"])
+    *_, last = chunks = list(plan.chunks(range(98000, 99500)))
+    assert [len(pickle.dumps((plan.for_workers.solved, chunk))) < 30000 for chunk in chunks] == [True] * 2
+    assert plan.for_workers.solved(last) == plan.solved(Span(99000, 99500))
 
 
 def test_shards_are_whole_chunks_that_follow_each_other(pair: Scene):
