@@ -34,6 +34,9 @@ NARROW = 1e-10
 """Share of a value to which a step is halved before what moves is said to fall: a shape that branches off has
 come within SMALL by then, and six digits of the value are sure."""
 
+DIGITS = 1e-6
+"""Share of a value within which a shape that is not stable is what an equilibrium ends as."""
+
 BETWEEN_ROWS = 1e-13
 """The tolerance between rows: what is left of an equilibrium that has just ended balances to looser ones."""
 
@@ -122,12 +125,15 @@ class Path:
 
     def _to(self, value: float) -> Result:
         """Walk to a value, in smaller steps where one moves too far; note where an equilibrium is lost."""
-        a, ahead, end = self.here, [value], self._at(value, self.here)
+        a, ahead, end, sure = self.here, [value], self._at(value, self.here), float("nan")
         while a is not None:
+            if a.stability == "stable":
+                sure = a.value
+            is_one = self._is_near(sure, a.value, DIGITS)  # right at its end an equilibrium is hardly stable
             b = self._point(ahead[-1], end)
             is_followed = end.converged and self._is_followed(a, b)
-            if is_followed or (end.converged and self._is_narrow(a, b.value)):
-                if not is_followed and a.stability == "stable":  # else it was one of many
+            if is_followed or (end.converged and self._is_narrow(a.value, b.value, is_one)):
+                if not is_followed and is_one:
                     self.lost.append(b.value)
                     ahead[1:-1] = []
                 a = b
@@ -141,11 +147,12 @@ class Path:
             end = self._at(ahead[-1], a, 1.0 if len(ahead) == 1 else BETWEEN_ROWS)
         return end
 
-    def _is_narrow(self, a: PathPoint, b: float) -> bool:
-        least = LEAST_VALUE * self.span
-        if a.stability == "stable":
-            least = NARROW * max(abs(a.value), abs(b), least)
-        return abs(b - a.value) <= least
+    def _is_narrow(self, a: float, b: float, is_one: bool) -> bool:
+        """Return whether a step is halved no more; is_one: from the one equilibrium, not from one of many."""
+        return self._is_near(a, b, NARROW) if is_one else abs(b - a) <= LEAST_VALUE * self.span
+
+    def _is_near(self, a: float, b: float, share: float) -> bool:
+        return abs(b - a) <= share * max(abs(a), abs(b), LEAST_VALUE * self.span)
 
     def _is_followed(self, a: PathPoint, b: PathPoint) -> bool:
         """Return whether a step moves the shape about as far as is predicted, there and back.

@@ -1,5 +1,6 @@
 """A path: what is lost, what only branches off, what is the same as separate solves; against closed forms."""
 
+import json
 from itertools import pairwise
 
 import numpy as np
@@ -90,6 +91,46 @@ supports"""
     for values in ("6.5:2:2", "6.5:2:12"):
         stops = path(scene, "pull.rest_length", values).stops()
         assert [value for stop in stops for value in stop.lost] == pytest.approx(expected, rel=1e-7)
+
+
+def test_a_small_snap_in_a_large_structure_is_seen_whatever_the_steps():
+    height, top = 100, 0.038108719  # of the snapping bars on rigid ground; the ladder gives way a little
+    rungs = range(height + 1)
+    nodes = {f"{side}{i}": [x, -i] for i in rungs for side, x in (("l", 0), ("r", 1))}
+    sides = [[f"{side}{i}", f"{side}{i + 1}"] for i in rungs[:-1] for side in "lr"]
+    steps = [[f"l{i}", f"r{i}"] for i in rungs[1:]]
+    crosses = [[f"{a}{i}", f"{b}{i + 1}"] for i in rungs[:-1] for a, b in ("lr", "rl")]
+    bar = {"kind": "strut", "EA": 1e4}
+    elements = {
+        "frame": bar | {"rest_length": 1.0, "pairs": sides + steps},
+        "crosses": bar | {"rest_length": float(np.sqrt(2.0)), "pairs": crosses},
+        "snap": {
+            "kind": "strut",
+            "EA": 100.0,
+            "rest_length": float(np.hypot(0.5, 0.05)),
+            "pairs": [[f"l{height}", "t"], [f"r{height}", "t"]],
+        },
+    }
+    scene = {
+        "law": "hooke",
+        "nodes": nodes | {"t": [0.5, -height - 0.05]},
+        "elements": elements,
+        "supports": {"l0": "xy", "r0": "xy"},
+    }
+    for values in ([0.0, 3.0 * top], [0.0, 0.5 * top, top, 1.5 * top]):
+        stops = followed(planned(cgff_cli.loads(json.dumps(scene)), set={"loads.t.y": values})).stops()
+        (lost,) = [value for stop in stops for value in stop.lost]
+        assert lost == pytest.approx(0.03776814838, rel=1e-7)
+
+
+@pytest.mark.parametrize("values", ["0:-1:5", "0:-1:2"])
+def test_cables_that_hang_slack_until_they_are_loaded_lose_nothing(values: str):
+    slack = TRUSS.replace("strut", "cable").replace(repr(REST), "1.2")
+    stops = list(path(slack, "loads.b.y", values, out=["node:b"]).stops())
+    assert [stop.lost for stop in stops] == [()] * len(stops)
+    y = stops[-1].row["node:b.y"]
+    l = np.hypot(1.0, y)
+    assert 2.0 * EA / 1.2 * (l - 1.2) * y / l == pytest.approx(-1.0)
 
 
 def test_the_way_back_is_another_one():
