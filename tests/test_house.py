@@ -14,7 +14,7 @@ MOST_LINES_OF_A_FUNCTION = 50
 BUDGET = {
     "top": 1695,
     "analysis": 2207,
-    "cli": 2415,
+    "cli": 2417,
     "mechanics": 966,
     "report": 1724,
     "rivals": 694,
