@@ -20,7 +20,7 @@ BUDGET = {
     "rivals": 694,
     "scene": 3468,
     "solvers": 2417,
-    "study": 2916,
+    "study": 2918,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""
 

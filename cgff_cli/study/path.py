@@ -35,7 +35,8 @@ NARROW = 1e-10
 come within SMALL by then, and six digits of the value are sure."""
 
 DIGITS = 1e-6
-"""Share of a value within which a shape that is not stable is what an equilibrium ends as."""
+"""Share of a value within which a shape that is not stable is what an equilibrium ends as, and falls are
+one."""
 
 BETWEEN_ROWS = 1e-13
 """The tolerance between rows: what is left of an equilibrium that has just ended balances to looser ones."""
@@ -134,7 +135,8 @@ class Path:
             is_followed = end.converged and self._is_followed(a, b)
             if is_followed or (end.converged and self._is_narrow(a.value, b.value, is_one)):
                 if not is_followed and is_one:
-                    self.lost.append(b.value)
+                    if not any(self._is_near(value, b.value, DIGITS) for value in self.lost):
+                        self.lost.append(b.value)
                     ahead[1:-1] = []
                 a = b
                 ahead.pop()

@@ -133,6 +133,13 @@ def test_cables_that_hang_slack_until_they_are_loaded_lose_nothing(values: str):
     assert 2.0 * EA / 1.2 * (l - 1.2) * y / l == pytest.approx(-1.0)
 
 
+@pytest.mark.parametrize("values", ["1:-0.9:2", "1:-0.37:7"])
+def test_cables_that_flop_over_where_nothing_loads_them_are_lost_once(values: str):
+    slack = TRUSS.replace("strut", "cable").replace(repr(REST), "1.2")
+    (lost,) = [value for stop in path(slack, "loads.b.y", values).stops() for value in stop.lost]
+    assert lost == pytest.approx(0.0, abs=1e-9)
+
+
 def test_the_way_back_is_another_one():
     rows = [stop.row for stop in path(TRUSS, "loads.b.y", "-6:6:13", out=["node:b"]).stops()]
     (lost,) = [row["lost"] for row in rows if row["lost"] is not None]
