@@ -19,6 +19,7 @@ _HOME = {
     "to_yaml": "cgff_cli.scene.write",
     "new": "cgff_cli.scene.new",
     "solve": "cgff_cli.pipeline",
+    "solve_cases": "cgff_cli.cases",
     "solve_many": "cgff_cli.many",
     "analyse": "cgff_cli.as_given",
     "prestress": "cgff_cli.rest_lengths",

@@ -15,7 +15,7 @@ from cgff_cli.scene.physics import ROUNDING, all_pairs, component_labels
 from cgff_cli.scene.scene import AXES, Scene
 from cgff_cli.solvers.many.loop import Loop, Solutions
 from cgff_cli.solvers.stopping import Verdict
-from cgff_cli.structure import Structure, from_scene, stiffness
+from cgff_cli.structure import Structure, from_scene, loads_of, stiffness, weight_at_nodes
 from cgff_cli.values import Rule, short
 
 
@@ -26,14 +26,15 @@ def solve_many(
     EA: object = None,
     loads: object = None,
     coordinates: object = None,
+    weights: object = None,
     **changes: object,
 ) -> Solutions:
     """Form-find a scene, or the scene file at a path, once for each row of the arrays given.
 
-    rest_lengths and EA: (m, b), loads and coordinates, the start: (m, n, d), in the scene's own order and
-    units; the scene's own where not given. Other keywords are solve options, as in `solve`. Near an answer
-    each row gets the one that `solve` gives, from wild starts maybe another that is as sure; its bytes depend
-    on no other row. Raises OptionError for a bad array.
+    rest_lengths, EA and weights, per rest length: (m, b), loads besides weight and coordinates, the start:
+    (m, n, d), in the scene's own order and units; the scene's own where not given. Other keywords are
+    solve options, as in `solve`. Near an answer each row gets the one that `solve` gives, from wild starts
+    maybe another that is as sure; its bytes depend on no other row. Raises OptionError for a bad array.
     """
     if not isinstance(scene, Scene):
         from cgff_cli.scene.read import load
@@ -42,6 +43,7 @@ def solve_many(
     options = DEFAULTS.merged({**scene.solver, **changes})
     structure = from_scene(scene)
     given = {"rest_lengths": rest_lengths, "EA": EA, "loads": loads, "coordinates": coordinates}
+    given["weights"] = weights
     values = _values(scene, structure, {name: value for name, value in given.items() if value is not None})
     m = len(values["loads"])
     answers = Solutions(
@@ -94,15 +96,17 @@ def own_numbers(scene: Scene, structure: Structure) -> dict[str, np.ndarray]:
     return {
         "rest_lengths": structure.rest_lengths,
         "EA": scene.axial_stiffness,
-        "loads": structure.loads,
+        "loads": loads_of(scene),
         "coordinates": structure.coordinates,
+        "weights": np.zeros_like(structure.rest_lengths) if scene.weights is None else scene.weights,
     }
 
 
 def _values(scene: Scene, s: Structure, given: dict[str, object]) -> dict[str, np.ndarray]:
     """Return the numbers of all rows, the scene's own where none are given."""
     own = own_numbers(scene, s)
-    may_be = {"rest_lengths": rules(scene.law)["rest_length"], "EA": rules(scene.law)["EA"]}
+    law = rules(scene.law)
+    may_be = {"rest_lengths": law["rest_length"], "EA": law["EA"], "weights": law["weight"]}
     arrays = {
         name: _checked(name, value, own[name].shape, may_be.get(name, ANY_SIZE))
         for name, value in given.items()
@@ -113,8 +117,10 @@ def _values(scene: Scene, s: Structure, given: dict[str, object]) -> dict[str, n
         raise OptionError(f"all arrays must have as many rows as there are structures; {told}")
     m = next(iter(counts.values()), 1)
     full = {name: np.broadcast_to(arrays.get(name, value), (m, *value.shape)) for name, value in own.items()}
-    if "loads" in arrays:
+    full["loads"] = total_loads(scene, s, full)
+    if "loads" in arrays or "weights" in arrays:
         _refuse_net_loads(scene, s.free, full["loads"])
+    del full["weights"]
     return full | {"stiffness": stiffness(scene.law, full.pop("EA"), full["rest_lengths"])}
 
 
@@ -135,6 +141,15 @@ def _checked(name: str, value: object, shape: tuple[int, ...], rule: Rule) -> np
         any_size = f"finite numbers of at most {most} in size"
         raise OptionError(f"{name} must be {sizes if rule.smallest else any_size}")
     return array
+
+
+def total_loads(scene: Scene, structure: Structure, values: dict[str, np.ndarray]) -> np.ndarray:
+    """Return (m, n, d) loads with weight, of arrays by the names of `own_numbers`."""
+    weights, loads = values["weights"], values["loads"]
+    if not weights.any():
+        return loads
+    weight = weights * values["rest_lengths"]
+    return loads + np.array([weight_at_nodes(structure, own, scene.down) for own in weight])
 
 
 def net_loads(scene: Scene, free: np.ndarray, loads: np.ndarray) -> np.ndarray:

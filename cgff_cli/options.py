@@ -5,7 +5,7 @@ The scene's `solver:` block, the command line's flags and Python's keywords are 
 """
 
 from collections.abc import Mapping
-from dataclasses import Field, asdict, dataclass, field, fields
+from dataclasses import Field, dataclass, field, fields
 from typing import Any
 
 from cgff_cli.errors import OptionError
@@ -71,7 +71,7 @@ class SolveOptions:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the options by name, in declaration order."""
-        return asdict(self)
+        return dict(vars(self))
 
 
 DEFAULTS = SolveOptions()

@@ -1,6 +1,6 @@
 """`prestress`: a geometry in, its self-stress, rest lengths, and a scene that they hold out."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -19,7 +19,7 @@ from cgff_cli.options import DEFAULTS
 from cgff_cli.refusals import UNSURE, refusal, second_looks
 from cgff_cli.result import Result
 from cgff_cli.scene.scene import Scene
-from cgff_cli.structure import Structure, from_scene
+from cgff_cli.structure import Structure, from_scene, loads_of, weight_at_nodes
 from cgff_cli.values import Rule
 
 TOLERABLE = Rule(kind=float, positive=True, below=1.0)
@@ -84,11 +84,12 @@ def prestress(
 ) -> Prestressed:
     """Return rest lengths that hold a scene, or the scene file at a path, at its own coordinates.
 
-    Its rest lengths, if it has any, are ignored; supports and loads hold. by_group, by_symmetry: members of
-    a group, or that a symmetry exchanges, share a force density; equal="force": a force. force: {group: its
-    greatest force}; default: cables strained by 1 %. tolerance: singular values up to it count as states, and
-    the shape gives way to make one of them exact. Raises SceneError for a bad file, OptionError for a bad
-    option; where nothing holds the shape, `feasible` is not True and `reason` says why.
+    Its rest lengths, if it has any, are ignored; supports, loads and weight hold. by_group, by_symmetry:
+    members of a group, or that a symmetry exchanges, share a force density; equal="force": a force.
+    force: {group: its greatest force}; default: cables strained by 1 %. tolerance: singular values up to
+    it count as states, and the shape gives way to make one of them exact. Raises SceneError for a bad
+    file, OptionError for a bad option; where nothing holds the shape, `feasible` is not True and `reason`
+    says why.
     """
     if not isinstance(scene, Scene):
         from cgff_cli.scene.read import load
@@ -100,13 +101,30 @@ def prestress(
     classes = owners if by_group else None
     if by_symmetry:
         classes = orbits(structure, max(ALIKE, asked["tolerance"]))
-    names = [group.name for group in scene.groups]
     members, value = None, 0.0
     for name, number in asked["force"].items():
-        members, value = owners == names.index(name), abs(number)
+        members, value = owners == [group.name for group in scene.groups].index(name), abs(number)
     EA = scene.axial_stiffness
     shared = (classes, equal == "force", members, value, asked["tolerance"])
-    return _told(scene, asked, prestressed(Question(structure, EA, scene.law, *shared)))
+    answer = prestressed(Question(structure, EA, scene.law, *shared))
+    if scene.weights is not None:
+        answer = _heavy(
+            scene, structure, answer, lambda own: prestressed(Question(own, EA, scene.law, *shared))
+        )
+    return _told(scene, asked, answer)
+
+
+def _heavy(
+    scene: Scene, structure: Structure, answer: Answer, asked: Callable[[Structure], Answer]
+) -> Answer:
+    """Return the answer to the weight of its own rest lengths; answer: to that of lengths, asked: others."""
+    last, change, weights = np.inf, 1.0, scene.weights
+    while not answer.why and _ALIKE < change < last:
+        before, last = np.asarray(answer.rest_lengths), change
+        weight = weight_at_nodes(structure, weights * before, scene.down)
+        answer = asked(replace(structure, loads=loads_of(scene) + weight))
+        change = np.inf if answer.why else float(np.abs(answer.rest_lengths / before - 1.0).max())
+    return answer
 
 
 def _told(source: Scene, asked: dict[str, Any], answer: Answer) -> Prestressed:
@@ -115,6 +133,7 @@ def _told(source: Scene, asked: dict[str, Any], answer: Answer) -> Prestressed:
     result = None if scene is None else _result(scene)
     analysis = {} if result is None else result.analysis
     said = () if result is None else second_looks(answer, result)
+    moved = np.zeros((1, 1)) if scene is None else scene.coordinates - source.coordinates
     is_moved = scene is not None and scene.coordinates is not source.coordinates
     motion = None if answer.motion is None else answer.motion.tolist()
     return Prestressed(
@@ -134,7 +153,7 @@ def _told(source: Scene, asked: dict[str, Any], answer: Answer) -> Prestressed:
         certificate=motion and dict(zip(source.node_names, motion, strict=True)),
         stability=analysis.get("stability"),
         super_stable=analysis.get("super_stable"),
-        max_node_motion=_farthest(source, scene) if scene and is_moved else None,
+        max_node_motion=float(np.linalg.norm(moved, axis=1).max()) if is_moved else None,
         groups={} if result is None else _groups(result, answer),
         force_densities=None if result is None else answer.force_densities,
         forces=None if result is None else answer.forces,
@@ -157,10 +176,6 @@ def _held(source: Scene, answer: Answer, moved: bool) -> Scene | None:
     own = [_evened(part) for part in np.split(answer.rest_lengths, ends)]
     scene = replace(source, coordinates=answer.coordinates) if moved else source
     return scene.with_rest_lengths(np.concatenate(own))
-
-
-def _farthest(source: Scene, scene: Scene) -> float:
-    return float(np.linalg.norm(scene.coordinates - source.coordinates, axis=1).max())
 
 
 def _groups(result: Result, answer: Answer) -> dict[str, dict[str, Any]]:

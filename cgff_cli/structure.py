@@ -73,10 +73,8 @@ def from_scene(scene: Scene) -> Structure:
     free = np.ones((n, d), dtype=bool)
     for row, axes in scene.supports.items():
         free[row, [AXES.index(axis) for axis in axes]] = False
-    loads = np.zeros((n, d))
-    for row, load in scene.loads.items():
-        loads[row] = load
-    return Structure(
+    loads = loads_of(scene)
+    structure = Structure(
         coordinates=np.array(scene.coordinates, dtype=float),
         start=np.ascontiguousarray(pairs[0]),
         end=np.ascontiguousarray(pairs[1]),
@@ -86,6 +84,22 @@ def from_scene(scene: Scene) -> Structure:
         free=free,
         loads=loads,
     )
+    if scene.weights is not None:
+        loads += weight_at_nodes(structure, scene.weights * rest_lengths, scene.down)
+    return structure
+
+
+def loads_of(scene: Scene) -> np.ndarray:
+    """Return the (n, d) loads of a scene, its weight apart."""
+    loads = np.zeros(scene.coordinates.shape)
+    for row, load in scene.loads.items():
+        loads[row] = load
+    return loads
+
+
+def weight_at_nodes(structure: Structure, weight: np.ndarray, down: np.ndarray) -> np.ndarray:
+    """Return (n, d) nodal forces of weight (b,), half of each at either end; down: (d,) unit vector."""
+    return structure.at_nodes(0.5 * weight)[:, None] * down
 
 
 def stiffness(law: str, EA: np.ndarray, rest_lengths: np.ndarray) -> np.ndarray:

@@ -12,6 +12,10 @@ LONGEST = 256
 """Most characters of a text or name; a YAML key may not be much longer."""
 
 
+DEAD, ALL_CASES = "dead", "all"
+"""What combinations call weight and loads, and `--case` every case and combination."""
+
+
 class Rule(NamedTuple):
     """What a value means and may be; stands in `Annotated[type, Rule(...)]` and behind options.
 

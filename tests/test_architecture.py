@@ -20,6 +20,7 @@ ROOMS = (
     "cautions",
     "result",
     "pipeline",
+    "cases",
     "many",
     "as_given",
     "refusals",

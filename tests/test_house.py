@@ -12,15 +12,15 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 1695,
-    "analysis": 2207,
-    "cli": 2417,
+    "top": 1817,
+    "analysis": 2201,
+    "cli": 2668,
     "mechanics": 966,
-    "report": 1724,
+    "report": 1911,
     "rivals": 694,
-    "scene": 3468,
-    "solvers": 2417,
-    "study": 2918,
+    "scene": 4450,
+    "solvers": 2421,
+    "study": 2992,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""
 

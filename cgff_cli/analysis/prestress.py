@@ -14,6 +14,7 @@ from cgff_cli.errors import OptionError
 from cgff_cli.mechanics.elements import EPS
 from cgff_cli.mechanics.norms import largest
 from cgff_cli.mechanics.state import Mechanics
+from cgff_cli.scene.laws import rest_lengths_for
 from cgff_cli.structure import Structure
 
 STRAIN = 0.01
@@ -69,15 +70,8 @@ class Question:
         return STRAIN * times / left if left > 0.0 else np.inf
 
     def rest_lengths(self, l: np.ndarray, t: np.ndarray) -> np.ndarray:
-        """Return (b,) l0 at which lengths l give forces t; NaN where none does, or none above 0.
-
-        l0 = l - t / EA (paper, eq. (2)) or EA l / (EA + t) (hooke).
-        """
-        if self.law == "paper":
-            l0 = l - t / self.EA
-        else:
-            l0 = self.EA * l / np.where(self.EA + t > 0.0, self.EA + t, np.nan)
-        return np.where(l0 > 0.0, l0, np.nan)
+        """Return (b,) l0 at which lengths l give forces t; NaN where none does, or none above 0."""
+        return rest_lengths_for(self.law, l, t, self.EA)
 
 
 @dataclass(eq=False)

@@ -11,6 +11,7 @@ from cgff_cli.cli.common import (
     ExitCode,
     SectionCommand,
     examples,
+    note_of,
     report_error,
     title,
     warn_of,
@@ -65,6 +66,7 @@ def _checked(path: str) -> tuple[dict[str, Any], ExitCode]:
         code = report_error(error)
         return _record(path, None, problems), code
     warn_of(path, scene.warnings)
+    note_of(path, scene.notes)
     return _record(path, scene, ()), ExitCode.OK
 
 

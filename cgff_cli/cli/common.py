@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TextIO, TypeVar
 import click
 
 from cgff_cli.errors import CgffError, OptionError, SceneError
+from cgff_cli.report.files import STDOUT, write_output
 
 if TYPE_CHECKING:
     from cgff_cli.report.progress import Progress
@@ -35,6 +36,8 @@ class ExitCode(IntEnum):
 
 
 _SEVERITY = ("OK", "UNMET", "NOT_CONVERGED", "SCENE", "USAGE", "ERROR", "INTERRUPTED", "BROKEN_PIPE")
+
+_LINE = "cgff.line"
 
 _WIDEST = 24  # columns of a flag that keeps its help beside it
 
@@ -117,6 +120,7 @@ def drawn(page: Iterable[Any]) -> str:
 
 def say(text: str) -> None:
     """Write one line of words to standard error; where nobody can read them, they change nothing."""
+    _make_way()
     with suppress(OSError):
         click.echo(text, err=True)
 
@@ -127,21 +131,54 @@ def warn_of(scene: str, warnings: Iterable[str]) -> None:
         say(f"cgff: {title(scene)}: warning: {warning}")
 
 
+def note_of(scene: str, notes: Iterable[str]) -> None:
+    """Write what was passed over in a scene to standard error, where many words are wanted."""
+    for note in notes if wanted("verbose") else ():
+        say(f"cgff: {title(scene)}: note: {note}")
+
+
 def title(scene: str) -> str:
     """Return what a scene is called in words: its path, or <stdin>."""
     return "<stdin>" if scene == "-" else scene
 
 
+def tell(pieces: Iterable[str]) -> None:
+    """Write pieces of data to standard output, if there are any, in place of what shows progress there."""
+    if not pieces:
+        return
+    if sys.stdout.isatty():
+        _make_way()
+    write_output(STDOUT, pieces)
+
+
+def _make_way() -> None:
+    """Wipe what shows progress, for something else to be written."""
+    ctx = click.get_current_context(silent=True)
+    if ctx and _LINE in ctx.meta:
+        ctx.meta[_LINE].wipe()
+
+
 @contextmanager
 def progress(words: str, **more: Any) -> Iterator["Progress | None"]:
-    """Give what shows progress on standard error; None where that is no terminal, or -q was given."""
+    """Give what shows progress on standard error; None where that is no terminal, or -q was given.
+
+    Within another it is that one.
+    """
     if wanted("quiet") or not sys.stderr.isatty():
         yield None
+        return
+    ctx = click.get_current_context()
+    if _LINE in ctx.meta:
+        yield ctx.meta[_LINE]
         return
     from cgff_cli.report.progress import Progress
 
     with Progress(words, **more) as line:
-        yield line
+        ctx.meta[_LINE] = line
+        try:
+            yield line
+        finally:
+            del ctx.meta[_LINE]
 
 
 def report_error(error: Exception) -> ExitCode:
@@ -158,11 +195,9 @@ def report_error(error: Exception) -> ExitCode:
         return ExitCode.USAGE if isinstance(error, OptionError) else ExitCode.ERROR
     from concurrent.futures import BrokenExecutor
 
-    if isinstance(error, BrokenExecutor):
-        say("cgff: a worker process was killed, maybe for want of memory")
-        return ExitCode.ERROR
-    text = f"{type(error).__name__}: {error}".rstrip(": ")
-    say(f"cgff: unexpected error: {text}; run again with --traceback")
+    text = f"unexpected error: {type(error).__name__}: {error}".rstrip(": ") + "; run again with --traceback"
+    is_killed = isinstance(error, BrokenExecutor)
+    say(f"cgff: {'a worker process was killed, maybe for want of memory' if is_killed else text}")
     return ExitCode.ERROR
 
 
@@ -197,9 +232,8 @@ def errors_reported() -> Iterator[None]:
         raise click.exceptions.Exit(ExitCode.BROKEN_PIPE) from None
     except Exception as error:
         told: Exception = error
-        if (
-            isinstance(error, OSError) and error.filename is None
-        ):  # from --help, the one output of click's own
+        # From --help, the one output of click's own.
+        if isinstance(error, OSError) and error.filename is None:
             told = CgffError(f"standard output: cannot be written: {error.strerror}")
         raise click.exceptions.Exit(report_error(told)) from error
     finally:

@@ -54,7 +54,7 @@ def command(ctx: click.Context, scene: str, output: str, output_format: str, **v
     refuse_inputs(targets, ((file, f"a file of {title(scene)}") for file in read.files))
     common.warn_of(scene, read.warnings)
     with common.progress(title(scene), delay=0.0) as line:
-        found = equilibria(read, watcher=None if line is None else line.show, **values)
+        found = equilibria(read, watcher=None if line is None else line.count, **values)
     write_output(output or STDOUT, _text(found, form))
     ctx.exit(_told(title(scene), found))
 

@@ -9,6 +9,7 @@ from cgff_cli.cli.common import ExitCode, SectionCommand, examples, flag, word_o
 from cgff_cli.cli.options import (
     Checked,
     given_solve_options,
+    output_flag,
     output_options,
     scenes_arguments,
     solve_options,
@@ -16,7 +17,7 @@ from cgff_cli.cli.options import (
 from cgff_cli.cli.outputs import Outputs
 from cgff_cli.cli.requirements import ALLOWED, requirements
 from cgff_cli.cli.solving import Solving, earlier, took, watched
-from cgff_cli.report.files import STDOUT
+from cgff_cli.report.files import STDOUT, is_stream
 
 _EPILOG = examples(
     "cgff solve prism.yaml -o prism.json --history prism.csv",
@@ -26,6 +27,25 @@ _EPILOG = examples(
 
 @click.command("solve", cls=SectionCommand, epilog=_EPILOG)
 @output_options
+@flag(
+    "--case",
+    section="Scenes",
+    metavar="NAME",
+    help="Solve a load case or combination, from the equilibrium without cases; all: each of them.",
+)
+@flag(
+    "--start",
+    section="Scenes",
+    metavar="RESULT.json",
+    type=click.Path(),
+    help="Begin at the shape of a result of the same nodes.",
+)
+@output_flag("--scene-out", metavar="FILE.yaml", help="Also write the scene with the answer as its start.")
+@output_flag(
+    "--envelope",
+    metavar="FILE.csv",
+    help="Also write, with --case all, least and greatest force of each element and reaction.",
+)
 @flag(
     "--require",
     section="Judging",
@@ -46,8 +66,8 @@ _EPILOG = examples(
     "--resume",
     section="Many scenes",
     is_flag=True,
-    help="Leave alone what an earlier run with --resume has put into DIR, unless its scene or what is asked "
-    "has changed.",
+    help="Leave alone the results in DIR of scenes that are the same, as is what is asked of them. Each run "
+    "with --out-dir notes in DIR what is done; one with --resume wants DIR for itself.",
 )
 @scenes_arguments
 @solve_options
@@ -61,18 +81,21 @@ def command(ctx: click.Context, scenes: tuple[str, ...], **values: Any) -> None:
     """
     from cgff_cli.study.machine import done
 
-    if values["resume"] and (values["out_dir"] is None or STDOUT in scenes):
+    piped = any(scene == STDOUT or is_stream(scene) for scene in scenes)
+    if values["resume"] and (values["out_dir"] is None or piped):
         raise click.UsageError("--resume needs --out-dir DIR, and scenes that are files")
     outputs = Outputs(scenes, values)
-    # Standard input is there for this process alone.
-    processes = 1 if STDOUT in scenes else min(values["jobs"], len(scenes))
+    # Standard input and what a shell opens are there for this process alone, and once.
+    processes = 1 if piped else min(values["jobs"], len(scenes))
     required = tuple(chain.from_iterable(values["require"]))
-    work = Solving(given_solve_options(values), outputs, required, apart=processes > 1)
-    jobs, journal, known = earlier(scenes, work, values["out_dir"] if values["resume"] else None)
+    refuse = outputs.refuse_inputs if piped else None
+    asked = given_solve_options(values), outputs.writing, required, processes > 1, refuse
+    work = Solving(*asked, values["case"], values["start"])
     code = ExitCode.OK
-    for ended in watched(done(jobs, work, known, processes), len(jobs), processes):
-        code = worst(code, took(ended, outputs, journal))
-        if code is ExitCode.INTERRUPTED:
-            break
+    with earlier(scenes, work, outputs, values["resume"]) as (jobs, journal, known):
+        for ended in watched(done(jobs, work, known, processes), len(scenes), len(known)):
+            code = worst(code, took(ended, outputs, journal))
+            if code is ExitCode.INTERRUPTED:
+                break
     outputs.finish()
     ctx.exit(code)

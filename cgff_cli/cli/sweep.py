@@ -4,7 +4,7 @@ from typing import Any
 
 import click
 
-from cgff_cli.cli.common import SectionCommand, examples, flag, title, warn_of, word_options
+from cgff_cli.cli.common import SectionCommand, examples, flag, note_of, title, warn_of, word_options
 from cgff_cli.cli.options import format_flag, given_solve_options, output_flag, solve_options
 from cgff_cli.cli.sweeping import KeyValues, Shard, by_key, checked_form, swept
 
@@ -13,7 +13,7 @@ _EPILOG = examples(
     "cgff sweep net.yaml --scale cables.rest_length=0.9:1.1:21 --jobs 4 --resume -o rows.jsonl",
 )
 _VALUES = "LEAST:GREATEST:COUNT, log:LEAST:GREATEST:COUNT, or numbers with commas"
-_KEYS = "GROUP.rest_length, GROUP.EA, nodes.NAME.x, loads.NAME.x"
+_KEYS = "GROUP.rest_length, .EA, .pretension, .weight, nodes.NAME.x, loads.NAME.x"
 _OUT = "Also tell: force:GROUP (least and greatest), length:A,B, node:NAME, slack, max_strain or height."
 
 
@@ -33,6 +33,7 @@ _OUT = "Also tell: force:GROUP (least and greatest), length:A,B, node:NAME, slac
     multiple=True,
     help="The same with factors, of the scene's own numbers.",
 )
+@flag("--case", section="What is swept", metavar="NAME", help="Add a load case or combination to every row.")
 @flag(
     *("--zip", "is_zipped"),
     section="What is swept",
@@ -88,8 +89,9 @@ def command(ctx: click.Context, scene: str, **values: Any) -> None:
     form = checked_form(scene, values)
     read = load(scene)
     warn_of(scene, read.warnings)
+    note_of(scene, read.notes)
     plan = planned(
-        read,
+        read if values["case"] is None else read.in_case(values["case"]),
         set=by_key("--set", values["values"]),
         scale=by_key("--scale", values["factors"]),
         out=values["outs"],

@@ -76,7 +76,7 @@ class Written(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Writing:
+class RowsWriting:
     """The work on a chunk: its rows as text, csv or jsonl."""
 
     plan: "Sweep"
@@ -145,14 +145,15 @@ def _filled(sink: "Sink", name: str, header: Sequence[str], found: "Iterator[Don
         from cgff_cli.report.csv_out import columns
 
         sink.add("".join(columns(dict.fromkeys(header, ()))))
-    with progress(name) as line:
+    before = sink.counts["rows_done"]
+    with progress(name, delay=0.0) as line:
         for ended in found:
             code = failed(ended, name)
             if code is not None:
                 return code
             sink.add(**ended.found._asdict())
             if line is not None:
-                line.show(f"{sink.counts['rows_done']} of {total} rows")
+                line.count(sink.counts["rows_done"], total, "rows", before)
     return ExitCode.OK
 
 
@@ -161,9 +162,8 @@ def _worked_out(plan: "Sweep", form: str, left: range, values: Mapping[str, Any]
     from cgff_cli.study.machine import done
 
     processes = min(values["jobs"], max(1, -(-len(left) // plan.at_once)))
-    return done(
-        plan.chunks(left), Writing(plan.for_workers, form), None, processes, _others(values["dask"], left)
-    )
+    work = RowsWriting(plan.for_workers, form)
+    return done(plan.chunks(left), work, None, processes, _others(values["dask"], left))
 
 
 def _walked(path: "Path", form: str, sink: "Sink", name: str) -> "Iterator[Done]":
@@ -201,7 +201,9 @@ def _told(name: str, counts: Mapping[str, int], total: int, goes_on: bool) -> Ex
     elif wanted("verbose"):
         say(f"cgff: {name}: {count(total, 'row')} done")
     if counts["bad"]:
-        say(f"cgff: {name}: {count(counts['bad'], 'row')} with loads that nothing can balance: bad_scene")
+        from cgff_cli.study.sweep import BAD_SCENE, NO_SCENE
+
+        say(f"cgff: {name}: {count(counts['bad'], 'row')} {BAD_SCENE}: {NO_SCENE}")
     if counts["not_converged"]:
         say(f"cgff: {name}: {count(counts['not_converged'], 'row')} did not converge")
     if counts["bad"]:
@@ -238,6 +240,7 @@ def _identity(plan: "Sweep", values: Mapping[str, Any]) -> dict[str, Any]:
         "--scale": list(map("=".join, values["factors"])),
         "--zip": values["is_zipped"],
         "--follow": values["follow"],
+        "--case": values["case"],
         "--random": values["random"],
         "--out": list(values["outs"]),
         "--shard": "/".join(map(str, values["shard"])),

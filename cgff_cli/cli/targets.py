@@ -65,9 +65,10 @@ def check_targets(
     targets = [(path, what) for path, what in asked if path and path != STDOUT and not is_stream(path)]
     taken: dict[Identity, str] = {}
     for path, what in targets:
-        if _identity(path) in taken:
-            raise click.UsageError(f"{path} would be written over {taken[_identity(path)]}")
-        taken[_identity(path)] = what
+        own = _identity(path)
+        if own in taken:
+            raise click.UsageError(f"{path} would be written over {taken[own]}")
+        taken[own] = what
     refuse_inputs(targets, inputs)
     if folder is not None:
         make_folder(folder)
@@ -85,11 +86,11 @@ def refuse_inputs(targets: Sequence[Named], inputs: Iterable[Named]) -> None:
 
 
 def files_of(scenes: Iterable[str]) -> Iterator[Named]:
-    """Yield the files that scenes are read from; those of standard input are known once it is read."""
+    """Yield the files that scenes are read from; those of pipes are known once they are read."""
     from cgff_cli.scene.read import tables_of
 
     for scene in scenes:
-        if scene != STDOUT:
+        if scene != STDOUT and not is_stream(scene):
             yield scene, f"the scene {scene}"
             yield from ((table, f"a table of {scene}") for table in tables_of(scene))
 
@@ -97,6 +98,8 @@ def files_of(scenes: Iterable[str]) -> Iterator[Named]:
 def _identity(path: str) -> Identity:
     try:
         status = os.stat(path)
-    except (OSError, ValueError):
+    except OSError:
         return os.path.realpath(path)
+    except ValueError:  # no file has a name with a null in it
+        return path
     return status.st_dev, status.st_ino

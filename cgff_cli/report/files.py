@@ -1,12 +1,13 @@
 """Output that appears whole or not at all."""
 
+import fcntl
 import io
 import os
 import re
 import stat
 import sys
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import IO, Any
 
 from cgff_cli.errors import CgffError
@@ -14,6 +15,7 @@ from cgff_cli.errors import CgffError
 STDOUT = "-"
 
 _HELD_OPEN = re.compile(r"/dev/std(in|out|err)|/(?:dev|proc/self)/fd/(\d+)")
+_PART = re.compile(r"\.cgff-[0-9a-f]{12}\.part")
 _NUMBERS = {"in": 0, "out": 1, "err": 2}
 
 TEXT: dict[str, Any] = {"encoding": "utf-8", "errors": "backslashreplace", "newline": "\n"}
@@ -58,14 +60,41 @@ def make_folder(path: str) -> None:
 
 def check_target(path: str) -> None:
     """Raise CgffError where a file could not be written: no such folder, or the path is one."""
+    _place(path)
+
+
+def clear_away(targets: Iterable[str]) -> None:
+    """Remove what writers that were killed left beside files such as these."""
+    for folder in {os.path.dirname(os.path.realpath(path)) for path in targets}:
+        for name in filter(_PART.fullmatch, _listed(folder)):
+            part = os.path.join(folder, name)
+            with suppress(OSError), open(part, "rb") as file:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)  # whoever writes it still holds it
+                os.unlink(part)
+
+
+def _listed(folder: str) -> list[str]:
+    try:
+        return os.listdir(folder)
+    except OSError:  # one may be allowed to write there, but not to look
+        return []
+
+
+def _place(path: str) -> tuple[str, int | None]:
+    """Return where a file is to be, links followed, and the permissions of one there is."""
     target = os.path.realpath(path)
-    folder = os.path.dirname(target)
-    if os.path.isdir(target):
+    try:
+        mode = os.stat(target).st_mode
+    except OSError:
+        folder = os.path.dirname(target)
+        if not os.path.isdir(folder):
+            raise CgffError(f"{path}: cannot be written: there is no folder {folder}") from None
+        return target, None
+    if stat.S_ISDIR(mode):
         raise CgffError(f"{path}: cannot be written: it is a folder")
-    if not os.path.isdir(folder):
-        raise CgffError(f"{path}: cannot be written: there is no folder {folder}")
-    if os.path.exists(target) and not os.access(target, os.W_OK):
+    if not os.access(target, os.W_OK):
         raise CgffError(f"{path}: cannot be written: it is read-only")
+    return target, stat.S_IMODE(mode)
 
 
 def _held_open(path: str) -> int | None:
@@ -91,7 +120,7 @@ def opened(path: str, mode: str, **how: Any) -> Iterator[IO[Any]]:
             with open(path, mode, **how) as out:
                 yield out
         else:
-            with _in_place_once_complete(os.path.realpath(path)) as handle, open(handle, mode, **how) as out:
+            with _in_place_once_complete(path) as handle, open(handle, mode, **how) as out:
                 yield out
     except BrokenPipeError:
         raise
@@ -101,17 +130,20 @@ def opened(path: str, mode: str, **how: Any) -> Iterator[IO[Any]]:
 
 
 @contextmanager
-def _in_place_once_complete(target: str) -> Iterator[int]:
-    """Give a handle of a new file, to be closed in the body, which takes the target's place after it."""
-    check_target(target)
+def _in_place_once_complete(path: str) -> Iterator[int]:
+    """Give a handle of a new file, to be closed in the body, which takes the path's place after it."""
+    target, permissions = _place(path)
     part = os.path.join(os.path.dirname(target), f".cgff-{os.urandom(6).hex()}.part")
     # os.open, unlike the tempfile module, gives the new file the permissions umask asks for.
     handle = os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
     try:
+        with suppress(OSError):  # not every file system knows locks
+            fcntl.flock(handle, fcntl.LOCK_EX)
         yield handle
-        if os.path.exists(target):
-            os.chmod(part, stat.S_IMODE(os.stat(target).st_mode))
+        if permissions is not None:
+            os.chmod(part, permissions)
         os.replace(part, target)
     except BaseException:
-        os.unlink(part)
+        with suppress(OSError):  # the folder may have gone meanwhile
+            os.unlink(part)
         raise

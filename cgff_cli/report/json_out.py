@@ -7,6 +7,7 @@ and `line`, everything on one line, for JSON lines.
 import json
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from operator import add
 from typing import Any, NamedTuple
 
 from cgff_cli.report.columns import element_blocks, node_blocks
@@ -17,7 +18,7 @@ _TABLES = ("groups", "nodes", "elements", "reactions", "history")
 
 
 class Rows(NamedTuple):
-    """A JSON object or array whose entries are text already, written one per line."""
+    """A JSON object or array whose entries are text already."""
 
     brackets: str
     entries: Iterator[str]
@@ -25,12 +26,23 @@ class Rows(NamedTuple):
 
 def pretty(fields: Iterable[tuple[str, Any]]) -> Iterator[str]:
     """Yield an object of several lines: one per small field, one per row of a long one."""
-    return _object(fields, comma=",", outer="\n  ", inner="\n    ", end="\n")
+    before = "{\n  "
+    for name, value in fields:
+        yield f"{before}{encode(name)}: "
+        rows = _as_rows(name, value)
+        yield from (encode(value),) if rows is None else _rows(rows, ",\n    ", "\n    ", "\n  ")
+        before = ",\n  "
+    yield "{\n}\n" if before[0] == "{" else "\n}\n"
 
 
 def line(fields: Iterable[tuple[str, Any]]) -> Iterator[str]:
     """Yield an object on one line."""
-    return _object(fields, comma=", ", outer="", inner="", end="")
+    before = "{"
+    for name, value in fields:
+        yield f"{before}{encode(name)}: "
+        yield from _rows(value, ", ") if isinstance(value, Rows) else (encode(value),)
+        before = ", "
+    yield "{}\n" if before == "{" else "}\n"
 
 
 def result_fields(result: Result) -> Iterator[tuple[str, Any]]:
@@ -46,22 +58,28 @@ def result_fields(result: Result) -> Iterator[tuple[str, Any]]:
 
 def array(entries: Iterator[str]) -> Iterator[str]:
     """Yield an array of what is text already, such as `element_rows`, one entry per line."""
-    yield from _rows(Rows("[]", entries), ",", "\n", "\n  ")
+    yield from _rows(Rows("[]", entries), ",\n  ", "\n  ", "\n")
     yield "\n"
 
 
 def node_rows(result: Result) -> Iterator[str]:
     """Yield `"name": [x, y(, z)]` for every node."""
     for block in node_blocks(result):
-        for name, *position in zip(*block.values(), strict=True):
-            yield f"{encode(name)}: {encode(position)}"
+        for name, *position in zip(*map(_texts, block.values()), strict=True):
+            yield f"{name}: [{', '.join(position)}]"
 
 
 def element_rows(result: Result) -> Iterator[str]:
     """Yield one object per element."""
     for block in element_blocks(result):
-        for values in zip(*block.values(), strict=True):
-            yield encode(dict(zip(block, values, strict=True)))
+        names = [f'"{name}": ' for name in block]
+        for values in zip(*map(_texts, block.values()), strict=True):
+            yield f"{{{', '.join(map(add, names, values))}}}"
+
+
+def _texts(column: list[Any]) -> Iterable[str]:
+    """Return the values of a column as JSON; one call serves all that are no text."""
+    return map(encode, column) if isinstance(column[0], str) else encode(column)[1:-1].split(", ")
 
 
 def lines(table: Mapping[str, Sequence[Any]]) -> Iterator[str]:
@@ -78,28 +96,13 @@ def encode(value: Any) -> str:
         return _encode(_finite(value))
 
 
-def _object(
-    fields: Iterable[tuple[str, Any]], *, comma: str, outer: str, inner: str, end: str
-) -> Iterator[str]:
-    yield "{"
-    before = outer
-    for name, value in fields:
-        yield f"{before}{encode(name)}: "
-        rows = _as_rows(name, value)
-        if rows is None:
-            yield encode(value)
-        else:
-            yield from _rows(rows, comma, outer, inner)
-        before = comma + outer
-    yield f"{end}}}\n"
-
-
-def _rows(rows: Rows, comma: str, outer: str, inner: str) -> Iterator[str]:
-    before = opened = rows.brackets[0] + inner
+def _rows(rows: Rows, between: str, first: str = "", last: str = "") -> Iterator[str]:
+    """Yield a table in its brackets, with what goes between its entries, before them and after."""
+    before = opened = rows.brackets[0] + first
     for entry in rows.entries:
         yield before + entry
-        before = comma + inner
-    yield rows.brackets if before is opened else outer + rows.brackets[1]
+        before = between
+    yield rows.brackets if before is opened else last + rows.brackets[1]
 
 
 def _as_rows(name: str, value: Any) -> Rows | None:

@@ -33,11 +33,14 @@ def summary_page(rows: Sequence[Row]) -> "Iterator[RenderableType]":
         """Return one field of all rows."""
         return [row.get(name) for row in rows]
 
+    has_cases = any(of("case"))
     yield Aligned(
         [
             Column("scene", list(map(clean, of("scene")))),
+            *([column("case", of("case"), to_the_right=False)] if has_cases else []),
             verdicts(of("verdict")),
             column("stability", of("stability"), to_the_right=False),
+            *([column("slack", of("slack_count"))] if has_cases else []),
             column("residual", of("residual_relative"), "{:.1e}".format),
             column("iterations", of("iterations")),
             column("elements", of("elements")),

@@ -183,10 +183,12 @@ def _fixed(value: float, decimals: int) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Return a time in ms, s or min."""
+    """Return a time in ms, s, min or h."""
     if seconds < 1.0:
         return f"{1000 * seconds:.3g} ms"
-    return f"{seconds:.3g} s" if seconds < 120.0 else f"{seconds / 60:.3g} min"
+    if seconds < 120.0:
+        return f"{seconds:.3g} s"
+    return f"{seconds / 60:.3g} min" if seconds < 7200.0 else f"{seconds / 3600:.3g} h"
 
 
 def clean(text: str) -> str:

@@ -1,15 +1,16 @@
 """Groups of elements while a scene is being read: kind, EA, rest lengths and node pairs."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import chain
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from cgff_cli.scene import fields
 from cgff_cli.scene.fields import HUGE, LEAST_SIZE, CellColumn, found
 from cgff_cli.scene.findings import Findings, Where, quoted
-from cgff_cli.scene.keys import check_keys
+from cgff_cli.scene.keys import check_keys, is_own
+from cgff_cli.scene.laws import limit_of, rest_lengths_for
 from cgff_cli.scene.nodes import Nodes
 from cgff_cli.scene.scene import KINDS, Group
 from cgff_cli.values import Rule
@@ -17,15 +18,19 @@ from cgff_cli.values import Rule
 if TYPE_CHECKING:
     from cgff_cli.scene.tables import Table
 
-GROUP_KEYS = ("kind", "EA", "rest_length", "pairs")
+GROUP_KEYS = ("kind", "EA", "rest_length", "pretension", "weight", "pairs")
+_LENGTHS = ("rest_length", "pretension")
+"""A group has one of these, in a geometry none."""
 _PAIRS = "a list of node pairs such as [[a, b], [b, c]]"
 _POSITIVE = Rule(positive=True, smallest=LEAST_SIZE, largest=HUGE)
 
 
-def rules(law: str | None) -> dict[str, Rule]:
-    """Return what EA and rest length may be; law `hooke` divides by the rest length."""
-    length = _POSITIVE if law == "hooke" else Rule(least=0.0, smallest=LEAST_SIZE, largest=HUGE)
-    return {"EA": _POSITIVE, "rest_length": length}
+def rules(law: str | None, kind: str | None = None) -> dict[str, Rule]:
+    """Return what numbers of elements may be; law `hooke` divides by the rest length, cables cannot push."""
+    not_negative = Rule(least=0.0, smallest=LEAST_SIZE, largest=HUGE)
+    force = not_negative if kind == "cable" else Rule(smallest=LEAST_SIZE, largest=HUGE)
+    length = _POSITIVE if law == "hooke" else not_negative
+    return {"EA": _POSITIVE, "rest_length": length, "pretension": force, "weight": not_negative}
 
 
 def read_elements(
@@ -45,10 +50,9 @@ def read_elements(
     keys = list(values)
     CellColumn(findings, keys, lambda row: ("elements", keys[row]), at_key=True).names()
     given = {key for group in values.values() if isinstance(group, dict) for key in group}
-    is_geometry = "EA" in given and "rest_length" not in given
-    required = tuple(key for key in GROUP_KEYS if key != "rest_length" or not is_geometry)
+    is_geometry = "EA" in given and not given.intersection(_LENGTHS)
     groups = [
-        _group(findings, ("elements", key), group, nodes, law, required)
+        _group(findings, ("elements", key), group, nodes, law, is_geometry)
         for key, group in values.items()
         if not outside or isinstance(group, dict)
     ]
@@ -57,37 +61,66 @@ def read_elements(
 
 
 def _group(
-    findings: Findings,
-    where: Where,
-    value: object,
-    nodes: Nodes | None,
-    law: str | None,
-    required: Sequence[str],
+    findings: Findings, where: Where, value: object, nodes: Nodes | None, law: str | None, is_geometry: bool
 ) -> Group | None:
-    """Return a group; required: its keys, without rest_length in a geometry."""
+    """Return a group; None where anything of it is wrong."""
     values = fields.mapping(findings, where, value, f"with the keys {', '.join(GROUP_KEYS)}")
     if values is None:
         return None
+    optional = _LENGTHS if is_geometry or "pretension" in values else _LENGTHS[1:]
+    required = [key for key in GROUP_KEYS if key not in (*optional, "weight")]
     check_keys(findings, where, values, GROUP_KEYS, dict.fromkeys(required, ""))
     kind = count = pairs = None
     if "kind" in values:
         kind = fields.one_of(findings, (*where, "kind"), values["kind"], KINDS, "cable or strut")
     if "pairs" in values:
         count, pairs = _pairs(findings, (*where, "pairs"), values["pairs"], nodes)
-    columns = [
-        _column(findings, (*where, key), values[key], count, rule)
-        for key, rule in rules(law).items()
+    columns = {
+        key: _column(findings, (*where, key), values[key], count, rule)
+        for key, rule in rules(law, kind).items()
         if key in values
-    ]
-    good = [column for column in columns if column is not None]
-    if kind is None or pairs is None or len(good) < len(required) - 2:
+    }
+    if all(key in values for key in _LENGTHS):
+        findings.add_key((*where, "pretension"), "a group has rest_length or pretension, not both")
         return None
-    return Group(str(where[-1]), kind, pairs, *_completed(good))
+    if kind is None or pairs is None or (not is_geometry and not any(key in columns for key in _LENGTHS)):
+        return None
+    at = (*where, "pretension")
+
+    def tell(row: int, message: str) -> None:
+        findings.add((*at, row) if isinstance(values["pretension"], list) else at, message, alike=at)
+
+    own = {key: entry for key, entry in values.items() if is_own(key)}
+    read = _completed(columns, pairs, nodes, law, tell)
+    return None if read is None else Group(str(where[-1]), kind, pairs, own=own, **read)
 
 
-def _completed(columns: list[np.ndarray]) -> list[np.ndarray]:
-    """Return EA and rest lengths, in a geometry NaN."""
-    return columns if len(columns) == 2 else [*columns, np.full_like(columns[0], np.nan)]
+def _completed(
+    columns: Mapping[str, np.ndarray | None],
+    pairs: np.ndarray,
+    nodes: Nodes | None,
+    law: str | None,
+    tell: Callable[[int, str], None],
+) -> dict[str, Any] | None:
+    """Return the numbers of elements with their rest lengths, NaN in a geometry; None where any is wrong."""
+    read = {key: column for key, column in columns.items() if column is not None}
+    if len(read) < len(columns) or "EA" not in read:
+        return None
+    t = read.get("pretension")
+    if t is None:
+        return {"rest_length": np.full_like(read["EA"], np.nan), **read}
+    if nodes is None or nodes.coordinates is None or law is None:
+        return None
+    X = nodes.coordinates
+    l = np.linalg.norm(X[pairs[:, 0]] - X[pairs[:, 1]], axis=1)
+    rest = rest_lengths_for(law, l, t, read["EA"])
+    wrong = np.flatnonzero(~(rest >= LEAST_SIZE)).tolist()
+    names = list(nodes.rows) if wrong else []
+    for row in wrong:
+        ends = " and ".join(quoted(names[end]) for end in pairs[row].tolist())
+        limit = f"it must be {limit_of(law, l[row], read['EA'][row])}" if l[row] else "it has no length"
+        tell(row, f"no rest length above 0 gives {ends} a force of {t[row]:g} at the start: {limit}")
+    return None if wrong else {**read, "rest_length": rest}
 
 
 def _column(
@@ -135,15 +168,23 @@ def groups_of_table(table: "Table", nodes: Nodes | None, law: str | None) -> lis
         ends[i::2] = table.column(side).values
     cells = CellColumn(table.findings, ends, lambda k: (k // 2, sides[k % 2]), cells=True)
     pairs = _joined(cells, nodes)
-    numeric = {key: rule for key, rule in rules(law).items() if key in table.header}
-    columns = [table.column(key).numbers(rule) for key, rule in numeric.items()]
+    columns = {key: table.column(key) for key in rules(law) if key in table.header}
+    numbers = {key: column.numbers(rules(law)[key]) for key, column in columns.items()}
     groups, kinds = table.column("group"), table.column("kind")
     groups.names()
     _check_kinds(groups.values, kinds)
-    good = [column for column in columns if column is not None]
-    if pairs is None or len(good) < len(numeric) or not table.findings.none:
+    if all(key in columns for key in _LENGTHS):
+        message = "elements have rest_length or pretension, not both"
+        table.add(-1, table.header.index("pretension"), message)
+    t = numbers.get("pretension")
+    if t is not None:
+        for row in np.flatnonzero((t < 0.0) & (np.array(kinds.values) == "cable")).tolist():
+            columns["pretension"].add(row, f"must be >= 0 for a cable, got {t[row]:g}")
+    if pairs is None or not table.findings.none:
         return None
-    return _split(groups.values, kinds.values, pairs, *_completed(good))
+    tell = columns["pretension"].add if "pretension" in columns else lambda row, message: None
+    read = _completed(numbers, pairs, nodes, law, tell)
+    return None if read is None else _split(groups.values, kinds.values, pairs, read)
 
 
 def _check_kinds(groups: Sequence[str], kinds: CellColumn) -> None:
@@ -162,7 +203,7 @@ def _check_kinds(groups: Sequence[str], kinds: CellColumn) -> None:
 
 
 def _split(
-    groups: Sequence[str], kinds: Sequence[str], pairs: np.ndarray, EA: np.ndarray, rest_length: np.ndarray
+    groups: Sequence[str], kinds: Sequence[str], pairs: np.ndarray, read: Mapping[str, Any]
 ) -> list[Group]:
     """Return the rows of a table by group."""
     order = {group: code for code, group in enumerate(dict.fromkeys(groups))}
@@ -170,7 +211,7 @@ def _split(
     rows = np.argsort(codes, kind="stable")
     ends = np.cumsum(np.bincount(codes))[:-1]
     return [
-        Group(name, kinds[own[0]], pairs[own], EA[own], rest_length[own])
+        Group(name, kinds[own[0]], pairs[own], **{key: column[own] for key, column in read.items()})
         for name, own in zip(order, np.split(rows, ends), strict=True)
     ]
 

@@ -12,6 +12,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from cgff_cli.errors import OptionError
+from cgff_cli.scene.laws import rest_lengths_for
 from cgff_cli.scene.scene import AXES, KINDS, LAWS, Group, Scene
 from cgff_cli.values import Rule
 
@@ -19,6 +20,9 @@ _ALIKE = 1e-11  # lengths this near, relatively, are one length and its rounding
 
 Prestress = Annotated[float, Rule("tension of the tightest cable", positive=True)]
 """The parameter by which families without loads scale their self-stress; see `tightened`."""
+
+Weight = Annotated[float, Rule("of all elements per rest length, downwards, put on afterwards", least=0)]
+"""The parameter of families that something holds."""
 
 
 class Members(NamedTuple):
@@ -35,6 +39,7 @@ class Equilibrium:
     """A shape in balance: under `loads` and held by `supports`, the members' forces add up to zero.
 
     coordinates : (n, d)                     supports : node row -> axes held fixed
+    weight      : of all elements per rest length, which the shape does not balance either
     start       : (n, d) where a solve begins, the coordinates themselves where None
     added_loads : further loads, which the shape does not balance: the answer is then another shape
     answer      : what is known of the shape beyond the lengths and forces of its groups
@@ -48,6 +53,7 @@ class Equilibrium:
     supports: Mapping[int, str] = field(default_factory=dict)
     loads: Mapping[int, tuple[float, ...]] = field(default_factory=dict)
     added_loads: Mapping[int, tuple[float, ...]] = field(default_factory=dict)
+    weight: float = 0.0
     start: np.ndarray | None = None
 
     def lengths(self, members: Members) -> np.ndarray:
@@ -113,16 +119,17 @@ def realised(
 
 
 def _group(target: Equilibrium, own: Members, law: str, EA: float) -> Group:
-    """Return a group with l0 = l - t / EA (paper) or EA l / (EA + t) (hooke)."""
+    """Return a group that carries its forces."""
     l, t = target.lengths(own), target.forces(own)
-    rest = l - t / EA if law == "paper" else EA * l / np.where(EA + t > 0.0, EA + t, np.nan)
+    rest = rest_lengths_for(law, l, t, np.full(len(l), EA))
     if not np.all(rest > 0.0):
         worst = float(t[np.argmax(np.abs(t))])
         raise OptionError(
             f"no rest length gives {own.name} a force of {worst:.6g} with EA {EA:g}; "
             "lower the force or raise EA"
         )
-    return Group(own.name, own.kind, own.pairs, np.full(len(l), EA), rest)
+    weight = np.full(len(l), target.weight) if target.weight else None
+    return Group(own.name, own.kind, own.pairs, np.full(len(l), EA), rest, weight=weight)
 
 
 def _jittered(groups: list[Group], jitter: float, source: random.Random) -> list[Group]:

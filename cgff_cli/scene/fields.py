@@ -6,6 +6,7 @@ at singly, and has its place worked out.
 """
 
 import math
+import os.path
 import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -36,6 +37,11 @@ class Plain(str):
 def is_absent(value: object) -> bool:
     """Return whether an optional key was written with nothing after it."""
     return value is None or (isinstance(value, Plain) and value in ("", "~", "null"))
+
+
+def is_table(value: object) -> bool:
+    """Tell whether a value names a CSV file."""
+    return isinstance(value, str) and os.path.splitext(value)[1].lower() == ".csv"
 
 
 def found(value: object) -> str:

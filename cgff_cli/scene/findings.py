@@ -40,6 +40,7 @@ class Findings:
     faults : (place, message) of what is wrong with the form of the file
     closed : first steps that lead to what is reported as a whole: nothing more is told of it
     tables : paths of the files it refers to
+    notes  : what is passed over
     """
 
     def __init__(
@@ -50,6 +51,7 @@ class Findings:
         self.faults = faults
         self.closed: set[str | int] = set()
         self.tables: list[str] = []
+        self.notes: list[str] = []
         self._label_of = label_of or label
         self._items: list[_Item] = []
         self._hints: dict[tuple[str, int], str] = {}

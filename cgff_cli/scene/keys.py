@@ -16,6 +16,11 @@ _OTHER_WORDS = {
     "kind": ("type",),
     "EA": ("young", "youngs_modulus", "modulus", "area", "stiffness", "axial_stiffness"),
     "rest_length": ("l0", "length", "lengths", "rest", "free_length", "unstressed_length"),
+    "pretension": ("prestress", "tension"),
+    "weight": ("self_weight", "dead_load", "mass"),
+    "load_cases": ("cases", "loadcases"),
+    "combinations": ("combos", "load_combinations"),
+    "gravity": ("g",),
     "pairs": ("members", "edges", "connectivity", "connections"),
     "start": ("from", "begin", "node1"),
     "end": ("to", "node2"),
@@ -37,13 +42,19 @@ def check_keys(
 
     required : key -> what to say of it where it is missing
     """
-    required = required or {}
+    required, gone = required or {}, lost(values)
+    values = {key: value for key, value in values.items() if not is_own(key)}
     faults, missing = key_faults(values, allowed, required)
     for key, message in faults.items():
         findings.add_key((*where, key), message)
-    for key in missing if len(missing) > lost(values) else ():
+    for key in missing if len(missing) > gone else ():
         findings.add(where, f"missing key {key!r}{required[key]}", at_key=True)
-    return not faults and not missing and not lost(values)
+    return not faults and not missing and not gone
+
+
+def is_own(key: str) -> bool:
+    """Return whether a key is the user's own: kept, and not looked at."""
+    return key.startswith("x-")
 
 
 class Holed(dict[str, Any]):
@@ -81,6 +92,11 @@ def key_faults(
         plural = "s" if len(keys) > 1 else ""
         faults[keys[0]] = f"unknown {noun}{plural} {said};{_hint(habit, words)} allowed: {', '.join(allowed)}"
     return faults, [key for key in required if key in absent and key not in understood]
+
+
+def meant_by(key: str, absent: Collection[str]) -> list[str]:
+    """Return what is meant by a word that is none of those allowed; nothing where that is not clear."""
+    return _meant(key, absent)[1]
 
 
 def _meant(key: str, absent: Collection[str]) -> tuple[object, list[str]]:

@@ -73,7 +73,7 @@ def make(name: str, given: Mapping[str, object]) -> tuple[Scene, str]:
     common = {key: value for key, value in values.items() if key in family.common}
     scene = realised(target, **common)
     flags = [(known[key], values[key]) for key in known if key in values]
-    exact = not target.added_loads and not values.get("jitter")
+    exact = not target.added_loads and not target.weight and not values.get("jitter")
     return scene, _header(name, target, flags, exact)
 
 

@@ -89,25 +89,25 @@ def read_nodes(findings: Findings, value: object) -> Nodes | None:
 
 def nodes_of_table(table: "Table") -> Nodes:
     """Return the nodes of a table with columns name, x, y and perhaps z."""
-    names = table.column("name")
+    names, twice = table.column("name"), check_twice(table)
     axes = [axis for axis in ("x", "y", "z") if axis in table.header]
     own = dict(zip(names.values, names.names(), strict=True))
-    twice = len(names.values) - len(own)
-    if twice:
-        _told_twice(table, names)
     read = [table.column(axis).numbers(ANY_SIZE) for axis in axes]
     good = [column for column in read if column is not None]
     coordinates = np.column_stack(good) if table.findings.none else None
     return Nodes(names, coordinates, len(axes), len(table.ragged) + twice + list(own.values()).count(None))
 
 
-def _told_twice(table: "Table", names: CellColumn) -> None:
-    """Record every name of a table that stands there again."""
-    first: dict[str, int] = {}
+def check_twice(table: "Table") -> int:
+    """Record every name of a table that stands there again, and return how many do."""
+    names, first = table.column("name"), dict[str, int]()
+    if len(set(names.values)) == len(names.values):
+        return 0
     for row, name in enumerate(names.values):
         if first.setdefault(name, row) != row and name:
             line = table.place(names.where(first[name]))[0]
             names.add(row, f"node {quoted(name)} is defined twice; first on line {line}", bare=True)
+    return len(names.values) - len(first)
 
 
 def _dimension(values: dict[str, Any]) -> int | None:

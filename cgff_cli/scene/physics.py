@@ -1,10 +1,10 @@
 """What a well-formed scene may still get wrong: loose nodes, loads nothing can balance, doubles."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from cgff_cli.scene.findings import Findings, first_few
+from cgff_cli.scene.findings import Findings, Where, first_few
 from cgff_cli.scene.scene import AXES, Group
 
 ROUNDING = 1e-12
@@ -38,12 +38,35 @@ def isolated_nodes(n: int, pairs: np.ndarray) -> np.ndarray:
     return np.flatnonzero(np.bincount(pairs.ravel(), minlength=n) == 0)
 
 
-def check_net_loads(
+def check_weight(
     findings: Findings,
     names: tuple[str, ...],
     labels: np.ndarray,
     supports: dict[int, str],
-    loads: dict[int, tuple[float, ...]],
+    groups: Sequence[Group],
+    along: str,
+) -> None:
+    """Record every part whose weight nothing holds, along any of the axes that gravity has a share in."""
+    heavy = [group.pairs[group.weight != 0.0, 0] for group in groups if group.weight is not None]
+    parts = set(labels[np.concatenate(heavy)].tolist()) if heavy else set()
+    for axis in along if parts else "":
+        held = {int(labels[row]) for row, axes in supports.items() if axis in axes}
+        for part in sorted(parts - held):
+            members = [names[row] for row in np.flatnonzero(labels == part)]
+            findings.add_key(
+                ("elements",),
+                f"no equilibrium exists: the part with nodes {first_few(members)} has weight along {axis}, "
+                f"and no support holds it along {axis}",
+            )
+
+
+def check_net_loads(
+    findings: Findings,
+    where: Where,
+    names: tuple[str, ...],
+    labels: np.ndarray,
+    supports: dict[int, str],
+    loads: Mapping[int, tuple[float, ...]],
 ) -> None:
     """Record every part whose loads add up along an axis it is free to move along: no equilibrium."""
     if not loads:
@@ -59,7 +82,7 @@ def check_net_loads(
         for part in np.flatnonzero(~held & (np.abs(net) > ROUNDING * gross)):
             members = [names[row] for row in np.flatnonzero(labels == part)]
             findings.add_key(
-                ("loads",),
+                where,
                 f"no equilibrium exists: the forces along {AXES[axis]} on the part with nodes "
                 f"{first_few(members)} add up to {net[part]:g}, and no support holds it along {AXES[axis]}",
             )

@@ -11,11 +11,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cgff_cli.errors import CgffError, Problem, SceneError
+from cgff_cli.scene.fields import is_table
 from cgff_cli.scene.findings import NOWHERE, Findings, Placing, Where, quoted
+from cgff_cli.scene.keys import is_own
 from cgff_cli.scene.located import DEPTH, Document, mark_of
 from cgff_cli.scene.results import ResultValues, is_result
 from cgff_cli.scene.scene import Scene
-from cgff_cli.scene.schema import is_table, read_scene
+from cgff_cli.scene.schema import read_scene
 from cgff_cli.scene.text import decoded, read_text, reason
 from cgff_cli.scene.yaml_text import yaml_events
 
@@ -23,6 +25,11 @@ if TYPE_CHECKING:
     from cgff_cli.scene.json_text import JsonDocument
 
 STDIN = "<stdin>"
+
+NO_SCENE = (
+    "this is the result of a solve, not a scene: `cgff analyse` judges it, `cgff solve SCENE --start` begins "
+    "at its shape, and `--scene-out` writes a scene when solving"
+)
 
 PAPER = ("x-module", "hexagon", "prism")
 """The paper's structures, in the order of its Tables II, III and IV."""
@@ -62,7 +69,7 @@ def tables_of(path: str) -> list[str]:
 def _named(value: object) -> Iterator[str]:
     """Yield the tables named in a mapping by any key but `name`, or in a mapping inside it."""
     for key, entry in value.items() if isinstance(value, dict) else ():
-        if is_table(entry) and key != "name":
+        if is_table(entry) and key != "name" and not is_own(key):
             yield str(entry)
         yield from _named(entry)
 
@@ -97,7 +104,9 @@ def _read(text: str, path: str, base: str, results: bool) -> Scene:
     document = _json(text, path) or Document(yaml_events(text))
     while True:
         findings, value, moved = Findings(document.faults), document.value, _unmoved
-        if results and is_result(value):
+        if is_result(value):
+            if not results:
+                raise SceneError([Problem(path, *document.place((), False), NO_SCENE)])
             found = ResultValues(value)
             value, moved = found.value, found.where
         scene = read_scene(findings, value, path, base) if document.whole else None

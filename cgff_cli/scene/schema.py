@@ -9,15 +9,26 @@ from typing import Any
 from cgff_cli.hints import meant_or_all, nearest
 from cgff_cli.options import OPTIONS
 from cgff_cli.scene import elements, fields, nodes, physics
-from cgff_cli.scene.fields import CellColumn, found, is_absent
+from cgff_cli.scene.actions import (
+    ActionBlock,
+    read_cases,
+    read_combinations,
+    read_gravity,
+    read_loads,
+    read_supports,
+)
+from cgff_cli.scene.fields import CellColumn, is_absent
 from cgff_cli.scene.findings import Findings, quoted
-from cgff_cli.scene.keys import Holed, check_keys, lost
+from cgff_cli.scene.keys import Holed, check_keys, is_own, lost
 from cgff_cli.scene.nodes import Nodes
 from cgff_cli.scene.scene import AXES, LAWS, Group, Scene
 
-SCENE_KEYS = ("name", "law", "nodes", "elements", "supports", "loads", "solver")
+SCENE_KEYS = (
+    *("name", "law", "nodes", "elements", "supports", "loads"),
+    *("gravity", "load_cases", "combinations", "solver"),
+)
 OPTION_RULES = {name: option.metadata["rule"] for name, option in OPTIONS.items()}
-_BLOCKS = ("nodes", "elements", "supports", "loads")
+_BLOCKS = ("nodes", "elements", "supports", "loads", "load_cases", "combinations")
 _LAWS_EXPLAINED = "paper (force = EA (l - l0)) or hooke (force = EA (l - l0) / l0)"
 _REQUIRED = {
     "law": f"; it must be {_LAWS_EXPLAINED}",
@@ -42,8 +53,10 @@ def read_scene(findings: Findings, value: object, path: str, base: str) -> Scene
     read = partial(_block, findings, values, base)
     points: Nodes | None = read("nodes", nodes.read_nodes, nodes.nodes_of_table)
     groups = read("elements", elements.read_elements, elements.groups_of_table, points, law)
-    supports = _supports(findings, values.get("supports"), points)
-    loads = _loads(findings, values.get("loads"), points)
+    blocks = {key: ActionBlock(findings, (key,), values.get(key), points, base) for key in SCENE_KEYS}
+    supports, loads = read_supports(blocks["supports"]), read_loads(blocks["loads"])
+    gravity, cases = read_gravity(blocks["gravity"]), read_cases(blocks["load_cases"])
+    combinations = read_combinations(blocks["combinations"], values.get("load_cases"))
     solver = _solver(findings, values.get("solver"))
     name = _name(findings, values.get("name"), path)
     if points is None:
@@ -52,16 +65,27 @@ def read_scene(findings: Findings, value: object, path: str, base: str) -> Scene
     if points.coordinates is None or groups is None or supports is None or loads is None:
         return None
     if known and not findings.faults:
-        _check_use(points, groups, supports, loads)
-    if law is None or not findings.none:
+        _check_use(points, groups, {*supports, *loads, *chain.from_iterable((cases or {}).values())})
+    if law is None or cases is None or combinations is None or not findings.none:
         return None
     names = tuple(points.rows)
     pairs = physics.all_pairs(groups)
     labels = physics.component_labels(len(names), pairs)
-    physics.check_net_loads(findings, names, labels, supports, loads)
-    said = physics.warnings(names, points.coordinates.shape[1], groups, labels, supports)
+    d = points.coordinates.shape[1]
+    along = AXES[d - 1] if gravity is None else "".join(a for a, g in zip(AXES, gravity, strict=False) if g)
+    physics.check_weight(findings, names, labels, supports, groups, along)
+    for where, own in ((("loads",), loads), *((("load_cases", name), own) for name, own in cases.items())):
+        physics.check_net_loads(findings, where, names, labels, supports, own)
+    said = physics.warnings(names, d, groups, labels, supports)
     X, files = points.coordinates, tuple(findings.tables)
-    return Scene(name, law, names, X, tuple(groups), supports, loads, solver, path, said, files)
+    return Scene(
+        *(name, law, names, X, tuple(groups), supports, loads, solver, path, said, files),
+        gravity=gravity,
+        load_cases=cases,
+        combinations=combinations,
+        own={key: entry for key, entry in values.items() if is_own(key)},
+        notes=tuple(findings.notes),
+    )
 
 
 def _without_spilt(findings: Findings, values: dict[str, Any], keys: Collection[str]) -> dict[str, Any]:
@@ -115,56 +139,12 @@ def _block(findings: Findings, values: dict[str, Any], base: str, key: str, *rea
     of_values, of_table, *known = readers
     if key not in values:
         return None
-    if not is_table(values[key]):
+    if not fields.is_table(values[key]):
         return of_values(findings, values[key], *known)
     from cgff_cli.scene.tables import open_table
 
-    table = open_table(findings, key, values[key], base)
+    table = open_table(findings, (key,), key, values[key], base)
     return of_table(table, *known) if table else None
-
-
-def is_table(value: object) -> bool:
-    """Tell whether a value names a CSV file."""
-    return isinstance(value, str) and os.path.splitext(value)[1].lower() == ".csv"
-
-
-def _rows(findings: Findings, block: str, values: dict[str, Any], points: Nodes | None) -> list[int] | None:
-    """Return the rows of the nodes that are the keys of a block; None where one is no node, or was lost."""
-    keys = list(values)
-    column = CellColumn(findings, keys, lambda row: (block, keys[row]), at_key=True)
-    rows = points.rows_of(column) if points else None
-    return None if rows is None or lost(values) else rows.tolist()
-
-
-def _supports(findings: Findings, value: object, points: Nodes | None) -> dict[int, str] | None:
-    """Return node row -> axes held, in the order x, y, z; None where any is wrong."""
-    axes = AXES[: points.dimension] if points and points.dimension else AXES
-    values = fields.optional(findings, ("supports",), value, "of node names to axes such as xyz or z")
-    if values is None:
-        return None
-    rows = _rows(findings, "supports", values, points)
-    wrong = False
-    for key, held in values.items():
-        if not isinstance(held, str) or not held or not set(held) <= set(axes) or len(set(held)) < len(held):
-            message = f"must be axes out of {axes}, each at most once, got {found(held)}"
-            findings.add(("supports", key), message, alike=("supports", found(held)))
-            wrong = True
-    if rows is None or wrong:
-        return None
-    held_in_order = ("".join(axis for axis in AXES if axis in held) for held in values.values())
-    return dict(zip(rows, held_in_order, strict=True))
-
-
-def _loads(findings: Findings, value: object, points: Nodes | None) -> dict[int, tuple[float, ...]] | None:
-    """Return node row -> force; None where any is wrong."""
-    values = fields.optional(findings, ("loads",), value, "of node names to forces")
-    if not values:
-        return None if values is None or lost(values) else {}
-    forces = nodes.vectors(findings, ("loads",), values, points.dimension if points else None)
-    rows = _rows(findings, "loads", values, points)
-    if forces is None or rows is None:
-        return None
-    return dict(zip(rows, map(tuple, forces.tolist()), strict=True))
 
 
 def _solver(findings: Findings, value: object) -> dict[str, object]:
@@ -175,11 +155,10 @@ def _solver(findings: Findings, value: object) -> dict[str, object]:
     return fields.ruled(findings, ("solver",), values, OPTION_RULES)
 
 
-def _check_use(
-    points: Nodes, groups: list[Group], supports: dict[int, str], loads: dict[int, tuple[float, ...]]
-) -> None:
+def _check_use(points: Nodes, groups: list[Group], used: Collection[int]) -> None:
+    """Record nodes that no element joins and nothing else uses."""
     names = list(points.rows)
     for row in physics.isolated_nodes(len(names), physics.all_pairs(groups)).tolist():
-        if row not in supports and row not in loads:
+        if row not in used:
             message = f"no element joins node {quoted(names[row])}, and no support or load uses it"
             points.names.add(row, message, bare=True)

@@ -32,13 +32,6 @@ def rows_of_group(scene: Scene, name: str) -> np.ndarray:
     return np.flatnonzero(scene.owners == groups.index(name))
 
 
-def row_of_node(scene: Scene, name: str) -> int:
-    """Return the row of a node; raises OptionError where there is no such node."""
-    if name not in scene.node_names:
-        raise OptionError(f"no node is named {quoted(name)}{did_you_mean(name, scene.node_names)}")
-    return scene.node_names.index(name)
-
-
 def pair_of(scene: Scene, name: str) -> tuple[int, int]:
     """Return the node rows of A,B; names may hold commas, the longest A wins. Raises OptionError."""
     parts = name.split(",")
@@ -46,8 +39,8 @@ def pair_of(scene: Scene, name: str) -> tuple[int, int]:
     splits = [(",".join(parts[:cut]).strip(), ",".join(parts[cut:]).strip()) for cut in cuts]
     for start, end in splits:
         if start in scene.node_names and end in scene.node_names:
-            return row_of_node(scene, start), row_of_node(scene, end)
+            return scene.row_of(start), scene.row_of(end)
     if len(splits) != 1:
         raise OptionError(f"two nodes, A,B, are meant by none of the commas in {quoted(name)}")
     start, end = splits[0]
-    return row_of_node(scene, start), row_of_node(scene, end)
+    return scene.row_of(start), scene.row_of(end)

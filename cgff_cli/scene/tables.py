@@ -9,19 +9,23 @@ from collections.abc import Collection, Iterator
 from functools import cached_property
 from itertools import accumulate
 
+from cgff_cli import hints
 from cgff_cli.errors import SceneError
 from cgff_cli.scene.fields import CellColumn
 from cgff_cli.scene.findings import NOWHERE, Findings, Mark, Where, quoted
-from cgff_cli.scene.keys import key_faults
+from cgff_cli.scene.keys import key_faults, meant_by
 from cgff_cli.scene.text import read_text, reason
 
 HEADERS = {
     "nodes": ("name", "x", "y", "z"),
-    "elements": ("start", "end", "group", "kind", "EA", "rest_length"),
+    "elements": ("start", "end", "group", "kind", "EA", "rest_length", "pretension", "weight"),
+    "supports": ("name", "axes"),
+    "loads": ("name", "x", "y", "z"),
 }
-"""Block of a scene -> the columns of its table."""
+"""What a table is of -> its columns; others are passed over."""
 
-_OPTIONAL = ("z", "rest_length")
+_OPTIONAL = ("z", "rest_length", "pretension", "weight")
+_LENGTHS = ("rest_length", "pretension")
 _BLANKS = [chr(code) for code in range(128) if chr(code).isspace() and chr(code) not in "\r\n"]
 _CELL = re.compile(r'(?:[^",]++|"[^"]*+")*+,')
 
@@ -106,8 +110,8 @@ class Table:
         return array("l", accumulate(map(len, io.StringIO(self._text, newline="")), initial=0))
 
 
-def open_table(findings: Findings, block: str, file: str, base: str) -> Table | None:
-    """Return the table of a block, in a file below `base`; None where not every row can be read."""
+def open_table(findings: Findings, where: Where, kind: str, file: str, base: str) -> Table | None:
+    """Return the table, of a kind of HEADERS, in a file below `base`; None where a row cannot be read."""
     path = os.path.join(base, file)
     findings.tables.append(path)
     try:
@@ -117,12 +121,15 @@ def open_table(findings: Findings, block: str, file: str, base: str) -> Table | 
         findings.of_file(path, lambda where, at_key: NOWHERE, Findings(faults))
         return None
     except (OSError, ValueError) as error:
-        findings.add((block,), f"cannot read {quoted(path)}: {reason(error)}")
+        findings.add(where, f"cannot read {quoted(path)}: {reason(error)}")
         return None
     table = Table(text)
     findings.of_file(path, table.place, table.findings)
-    if not table.findings.none or not _has_header(table, HEADERS[block]):
+    if not table.findings.none or not _has_header(table, HEADERS[kind]):
         return None
+    unused = [column for column in table.header if column not in HEADERS[kind]]
+    if unused:
+        findings.notes.append(f"{path}: not used: {hints.count(len(unused), 'column')}, {', '.join(unused)}")
     for row, count in table.ragged.items():
         message = f"this row has {count} cells, the header has {len(table.header)}"
         table.add(row, min(count - 1, len(table.header)), message, alike=message)
@@ -134,7 +141,11 @@ def _has_header(table: Table, allowed: Collection[str]) -> bool:
     """Record what is wrong with the header and return whether every row can be read by it."""
     header = table.header
     required = [column for column in allowed if column not in _OPTIONAL]
-    faults, missing = key_faults(header, allowed, required, "column")
+    absent = [column for column in allowed if column not in header]
+    if set(_LENGTHS) & set(header):
+        absent = [column for column in absent if column not in _LENGTHS]
+    known = [column for column in header if column in allowed or meant_by(column, absent)]
+    faults, missing = key_faults(known, allowed, required, "column")
     if not set(map(str.lower, header)) & set(map(str.lower, allowed)):  # no header at all
         faults, missing = {}, required
     for column, fault in faults.items():

@@ -25,10 +25,14 @@ def node_table(scene: Scene) -> Iterator[str]:
 
 def element_table(scene: Scene) -> Iterator[str]:
     """Yield a row per element, in the scene's element order."""
-    yield ELEMENT_HEADER + ("\n" if scene.is_geometry else ",rest_length\n")
+    lengths = [] if scene.is_geometry else ["rest_length"]
+    more = lengths + (["weight"] if scene.weights is not None else [])
+    yield ",".join((ELEMENT_HEADER, *more)) + "\n"
     names = _cells(scene.node_names)
     for group in scene.groups:
-        columns = (group.EA,) if scene.is_geometry else (group.EA, group.rest_length)
+        weight = np.zeros_like(group.EA) if group.weight is None else group.weight
+        numbers = {"rest_length": group.rest_length, "weight": weight}
+        columns = (group.EA, *(numbers[name] for name in more))
         for own in _slices(len(group.EA)):
             yield _lines(*_texts(group, names, own), *(_numbers(values[own]) for values in columns))
 

@@ -2,10 +2,11 @@
 
 import json
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
+from cgff_cli.scene.fields import NUMBER, Plain
 from cgff_cli.scene.scene import Group, Scene
 
 _WIDTH = 100
@@ -27,15 +28,25 @@ def to_yaml(scene: Scene, header: str = "", tables: tuple[str, str] | None = Non
         lines += [f"nodes: {_word(tables[0])}", f"elements: {_word(tables[1])}"]
     else:
         lines += _structure_lines(scene, names)
+    if scene.gravity is not None:
+        lines.append(f"gravity: {_flow(scene.gravity)}")
     if scene.supports:
         lines.append("supports:")
         lines += [f"  {names[row]}: {axes}" for row, axes in scene.supports.items()]
     if scene.loads:
         lines.append("loads:")
         lines += [f"  {names[row]}: {_flow(load)}" for row, load in scene.loads.items()]
+    for name, loads in scene.load_cases.items():
+        lines += ["load_cases:"] if name == next(iter(scene.load_cases)) else []
+        lines += [f"  {name}:{'' if loads else ' {}'}"]
+        lines += [f"    {names[row]}: {_flow(load)}" for row, load in loads.items()]
+    if scene.combinations:
+        lines.append("combinations:")
+        lines += [f"  {name}: {_plain_value(factors)}" for name, factors in scene.combinations.items()]
     if scene.solver:
         lines.append("solver:")
         lines += [f"  {option}: {value}" for option, value in scene.solver.items()]
+    lines += [f"{_word(key)}: {_plain_value(value)}" for key, value in scene.own.items()]
     return "\n".join(lines) + "\n"
 
 
@@ -53,9 +64,30 @@ def _group_lines(group: Group, names: list[str]) -> list[str]:
         f"  {_word(group.name)}:",
         f"    kind: {group.kind}",
         *_column("EA", group.EA),
-        *_column("rest_length", group.rest_length[~np.isnan(group.rest_length)]),
+        *_lengths(group),
+        *(_column("weight", group.weight) if group.weight is not None else ()),
+        *(f"    {_word(key)}: {_plain_value(value)}" for key, value in group.own.items()),
         *_wrapped("pairs", pairs),
     ]
+
+
+def _lengths(group: Group) -> list[str]:
+    """Return rest lengths, or the pretensions that they are to give."""
+    if group.pretension is not None:
+        return _column("pretension", group.pretension)
+    return _column("rest_length", group.rest_length[~np.isnan(group.rest_length)])
+
+
+def _plain_value(value: object) -> str:
+    """Return plain values on one line, text as it was written."""
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{_word(key)}: {_plain_value(own)}" for key, own in value.items()) + "}"
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(map(_plain_value, value)) + "]"
+    is_plain = isinstance(value, Plain) and (value in ("", "~") or _PLAIN.fullmatch(value))
+    if is_plain or (isinstance(value, Plain) and NUMBER.fullmatch(value)):
+        return str(value) or "null"
+    return json.dumps(value, ensure_ascii=False)
 
 
 def _column(key: str, numbers: np.ndarray) -> list[str]:

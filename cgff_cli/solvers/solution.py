@@ -136,7 +136,10 @@ class Solution:
 
     @cached_property
     def coordinates(self) -> np.ndarray:
-        """(n, d) final node positions."""
+        """(n, d) final node positions; where nothing moved, to the bit those of the start."""
+        m = self.mechanics
+        if np.array_equal(self.state.X, m.start):
+            return np.array(m.structure.coordinates)
         return self.placed(self.shape)
 
     def placed(self, shape: np.ndarray) -> np.ndarray:

@@ -15,15 +15,15 @@ from cgff_cli.many import own_numbers
 from cgff_cli.scene.elements import rules
 from cgff_cli.scene.nodes import ANY_SIZE
 from cgff_cli.scene.scene import AXES, Scene
-from cgff_cli.scene.select import row_of_node, rows_of_group
+from cgff_cli.scene.select import rows_of_group
 from cgff_cli.structure import from_scene
 from cgff_cli.values import Rule, as_number
 
-OF_GROUPS = {"rest_length": "rest_lengths", "EA": "EA"}
+OF_GROUPS = {"rest_length": "rest_lengths", "EA": "EA", "pretension": "pretension", "weight": "weights"}
 OF_NODES = {"nodes": "coordinates", "loads": "loads"}
 """What the last, or the first, word of a key names -> the array of `solve_many` that holds it."""
 
-KEYS = "GROUP.rest_length, GROUP.EA, nodes.NAME.x or loads.NAME.x"
+KEYS = "GROUP.rest_length, GROUP.EA, GROUP.pretension, GROUP.weight, nodes.NAME.x or loads.NAME.x"
 COUNT = Rule(kind=int, least=1, most=10**7)
 
 Values = str | float | Sequence[float]
@@ -77,6 +77,14 @@ def axes(
     return tuple(found)
 
 
+def numbers_of(scene: Scene) -> dict[str, np.ndarray]:
+    """Return a scene's own numbers by array; NaN where a group was given no pretension."""
+    nothing = (np.full_like(group.EA, np.nan) for group in scene.groups)
+    given = zip(scene.groups, nothing, strict=True)
+    pretension = [none if group.pretension is None else group.pretension for group, none in given]
+    return {**own_numbers(scene, from_scene(scene)), "pretension": np.concatenate(pretension)}
+
+
 def _place(scene: Scene, key: str) -> tuple[str, Any]:
     """Return the array and the place in it that a key names; only its ends have a meaning of their own."""
     stem, _, last = key.rpartition(".")
@@ -84,7 +92,7 @@ def _place(scene: Scene, key: str) -> tuple[str, Any]:
     if last in OF_GROUPS:
         return OF_GROUPS[last], (rows_of_group(scene, stem),)
     if kind in OF_NODES and last in AXES[: scene.dimension]:
-        return OF_NODES[kind], (row_of_node(scene, node), AXES.index(last))
+        return OF_NODES[kind], (scene.row_of(node), AXES.index(last))
     if kind in OF_NODES and node:
         raise OptionError(f"{key}: an axis of this scene is one of {', '.join(AXES[: scene.dimension])}")
     raise OptionError(f"{key}: no number of a scene; what can be swept: {KEYS}")
@@ -121,9 +129,11 @@ def _values(key: str, given: Values, is_random: bool) -> tuple[np.ndarray, bool,
 
 def _checked(scene: Scene, axis: Axis) -> Axis:
     """Return an axis, all of whose values a scene may have; raises OptionError."""
-    law = rules(scene.law)
-    rule = {"rest_lengths": law["rest_length"], "EA": law["EA"]}.get(axis.array, ANY_SIZE)
-    own = own_numbers(scene, from_scene(scene))[axis.array][axis.place].reshape(-1)
+    last, own = axis.key.rpartition(".")[2], numbers_of(scene)[axis.array][axis.place].reshape(-1)
+    kind = scene.groups[scene.owners[axis.place[0][0]]].kind if last in OF_GROUPS else None
+    rule = rules(scene.law, kind).get(last, ANY_SIZE)
+    if axis.is_factor and np.isnan(own).any():
+        raise OptionError(f"{axis.key}: the group has no pretension to scale")
     with np.errstate(over="ignore", invalid="ignore"):
         ends = np.array([own.min(), own.max()] if axis.is_factor else [1.0])
         made = axis.values[:, None] * ends
@@ -132,5 +142,5 @@ def _checked(scene: Scene, axis: Axis) -> Axis:
         number = float(made[row, end])
         got = f"{number:g}" + (f" for the factor {axis.values[row]:g}" if axis.is_factor else "")
         fault = rule.fault(number, got) if isfinite(number) else f"must be a finite number, got {got}"
-        raise OptionError(f"{axis.key}: {axis.key.rpartition('.')[2]} {fault}")
+        raise OptionError(f"{axis.key}: {last} {fault}")
     return axis

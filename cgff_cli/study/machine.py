@@ -7,14 +7,16 @@ its own, and hands them back as `known`. Work too small for a job by itself goes
 cut by number alone.
 """
 
+import fcntl
 import json
+import os
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, contextmanager
 from itertools import islice
 from typing import Any, NamedTuple
 
-from cgff_cli.errors import CgffError
+from cgff_cli.errors import CgffError, OptionError
 from cgff_cli.study.hands import Hands, hands
 
 Row = dict[str, Any]
@@ -82,37 +84,62 @@ def _ended(job: Any, get: Callable[[], Any] | None, known: Mapping[str, Any]) ->
 class Journal(dict[str, Any]):
     """Digest -> plain values, in a file that grows by a line each time: a run cut short goes on there.
 
-    Raises CgffError where the system refuses.
+    alone : this run wants the file for itself, and what earlier ones put into it; others only add to it
+
+    Where several run at a time, one that wants it alone is refused, as are those that come after it: with
+    OptionError. The lock ends with its process, however that ends. Raises CgffError where the system refuses.
     """
 
-    def __init__(self, path: str):
+    def __init__(self, path: str, alone: bool = True):
+        super().__init__()
         self.path = path
-        super().__init__(_entries(path))
+        with self._told("opened"):
+            self.file = open(path, "ab+", buffering=0)  # noqa: SIM115
+        try:
+            self._lock(fcntl.LOCK_EX if alone else fcntl.LOCK_SH)
+            with self._told("read"):
+                self.file.seek(0)
+                self.update(_entries(self.file.readall() if alone else b""))
+        except BaseException:
+            self.file.close()
+            raise
+
+    def __enter__(self) -> "Journal":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.file.close()
 
     def __setitem__(self, digest: str, value: Any) -> None:
         super().__setitem__(digest, value)
+        # A line of its own, whatever a run that was killed left of its last one.
+        line = f"\n{json.dumps([digest, value])}".encode()
+        with self._told("written"):
+            while line:  # a disk that is nearly full takes a part
+                line = line[self.file.write(line) :]
+
+    def _lock(self, kind: int) -> None:
         try:
-            with open(self.path, "a", encoding="utf-8") as file:
-                # A line of its own, whatever a run that was killed left of its last one.
-                file.write(f"\n{json.dumps([digest, value])}")
+            fcntl.flock(self.file, kind | fcntl.LOCK_NB)
+        except BlockingIOError:
+            folder = os.path.dirname(self.path)
+            raise OptionError(f"{folder}: another run is at work there; wait for its end") from None
+        except OSError:  # not every file system knows locks
+            return
+
+    @contextmanager
+    def _told(self, what: str) -> Iterator[None]:
+        try:
+            yield
         except OSError as error:
-            raise CgffError(f"{self.path}: cannot be written: {error.strerror or error}") from error
+            raise CgffError(f"{self.path}: cannot be {what}: {error.strerror or error}") from error
 
 
-def _entries(path: str) -> dict[str, Any]:
-    """Return what a file holds, the last of each digest; none where there is no file."""
-    try:
-        with open(path, encoding="utf-8", errors="replace") as file:
-            lines = file.readlines()
-    except FileNotFoundError:
-        return {}
-    except OSError as error:
-        raise CgffError(f"{path}: cannot be read: {error.strerror or error}") from error
-    found = {}
-    for line in lines:
+def _entries(text: bytes) -> Iterator[tuple[str, Any]]:
+    """Yield what the lines of a journal hold."""
+    for line in text.splitlines():
         try:
             digest, value = json.loads(line)
         except (ValueError, TypeError):  # an empty line, or one that was cut off
             continue
-        found[str(digest)] = value
-    return found
+        yield str(digest), value

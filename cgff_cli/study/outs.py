@@ -13,7 +13,7 @@ from cgff_cli.errors import OptionError
 from cgff_cli.hints import meant_or_all
 from cgff_cli.mechanics import elements
 from cgff_cli.scene.scene import AXES, Scene
-from cgff_cli.scene.select import pair_of, row_of_node, rows_of_group
+from cgff_cli.scene.select import pair_of, rows_of_group
 from cgff_cli.structure import Structure
 
 
@@ -81,7 +81,7 @@ def _distance(start: np.ndarray, end: np.ndarray, shapes: Answers) -> np.ndarray
 
 
 def _node(scene: Scene, name: str) -> dict[str, Out]:
-    row = row_of_node(scene, name)
+    row = scene.row_of(name)
     return {f"node:{name}.{AXES[axis]}": partial(_place, row, axis) for axis in range(scene.dimension)}
 
 

@@ -16,7 +16,6 @@ import numpy as np
 from cgff_cli.analysis.given import Given
 from cgff_cli.as_given import unmoved
 from cgff_cli.errors import OptionError, SceneError
-from cgff_cli.many import net_loads
 from cgff_cli.mechanics.state import Mechanics
 from cgff_cli.pipeline import solve
 from cgff_cli.result import Result
@@ -24,7 +23,7 @@ from cgff_cli.structure import from_scene
 from cgff_cli.study.alignment import alignment_of, laid_over, largest_move
 from cgff_cli.study.outs import Answers
 from cgff_cli.study.starts import size_of_start
-from cgff_cli.study.sweep import HOW_ROWS_ENDED, Sweep
+from cgff_cli.study.sweep import HOW_ROWS_ENDED, NO_SCENE, Sweep
 
 SMALL, SHARE = 1e-4, 0.25
 """A step is followed that moves no node farther beyond what is predicted than this share of the size, or of
@@ -215,10 +214,8 @@ def followed(plan: Sweep) -> Path:
     (axis,), structure = plan.axes, from_scene(plan.scene)
     if axis.array == "coordinates" and structure.free[axis.place]:
         raise OptionError(f"{axis.key}: no path follows a start that is free to move")
-    if axis.array == "loads":
-        loads = plan.arrays(plan.values(0, plan.rows))["loads"]
-        bad = net_loads(plan.scene, structure.free, loads).any(axis=(1, 2))
-        if bad.any():
-            value = plan.axes[0].values[bad.argmax()]
-            raise OptionError(f"{axis.key}: at {value:g} no equilibrium exists, as nothing holds the loads")
+    good = plan.may_be(plan.arrays(plan.values(0, plan.rows)), plan.rows)
+    if not good.all():
+        value = axis.values[good.argmin()]
+        raise OptionError(f"{axis.key}: at {value:g} {NO_SCENE}")
     return Path(plan)

@@ -1,6 +1,6 @@
 """Many scenes: a job for each, and the row that stays of its result."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from cgff_cli.result import Result
@@ -20,13 +20,12 @@ class SceneJob(NamedTuple):
     digest: str = ""
 
 
-def resumable(scenes: Sequence[str], asked: Any) -> Iterator[SceneJob]:
-    """Yield a job per scene, with a digest; asked: all else that results depend on, as plain values."""
+def resumable(path: str, asked: Any, others: Sequence[str] = ()) -> SceneJob:
+    """Return the job of a scene file; asked, others: all else that its result depends on, plain, in files."""
     from cgff_cli.scene.read import tables_of
     from cgff_cli.study.digest import digest_of
 
-    for path in scenes:
-        yield SceneJob(path, digest_of([path, asked], map(_bytes, (path, *tables_of(path)))))
+    return SceneJob(path, digest_of([path, asked], map(_bytes, (path, *tables_of(path), *others))))
 
 
 def _bytes(path: str) -> bytes:
@@ -34,7 +33,7 @@ def _bytes(path: str) -> bytes:
     try:
         with open(path, "rb") as file:
             return file.read()
-    except OSError:
+    except (OSError, ValueError):  # no file has a name with a null in it
         return b""
 
 
@@ -43,7 +42,7 @@ def summary_row(scene: str, result: Result) -> Row:
     analysis = result.analysis
     return {
         "scene": scene,
-        "case": None,
+        "case": result.source.case or None,
         "verdict": result.verdict,
         "stability": analysis.get("stability"),
         "iterations": result.counts["iterations"],
@@ -58,4 +57,5 @@ def summary_row(scene: str, result: Result) -> Row:
         "interrupted": result.interrupted,
         "message": result.message,
         "warnings": result.warnings,
+        "notes": result.source.notes,
     }

@@ -35,8 +35,8 @@ CHUNK, CHUNK_ELEMENTS = 200, 6000
 """Starts solved together: at most as many, and as many as have so many elements in all. With 50 a search
 takes twice as long, with 1000 a fourth less, and is heard of less often."""
 
-Watcher = Callable[[str], None]
-"""Called with words on how far a search is."""
+Watcher = Callable[[int, int, str], None]
+"""Called with how many starts are solved, of how many, and words on what they found."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,9 +135,8 @@ class Search:
             self.landscape.add(ended.found)
             found = self.landscape.shapes.found
             if self.watcher is not None:
-                self.watcher(
-                    f"{self.landscape.solved} of {self.starts} starts, distinct equilibria: {len(found)}"
-                )
+                words = f"starts, distinct equilibria: {len(found)}"
+                self.watcher(self.landscape.solved, self.starts, words)
 
     def _chunks(self, coordinates: Iterator[np.ndarray]) -> Iterator[Chunk]:
         first = self.landscape.solved

@@ -12,12 +12,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cgff_cli.errors import OptionError
-from cgff_cli.many import net_loads, own_numbers, solve_many
+from cgff_cli.many import net_loads, own_numbers, solve_many, total_loads
 from cgff_cli.options import DEFAULTS, SolveOptions
+from cgff_cli.scene.laws import rest_lengths_for
+from cgff_cli.scene.physics import all_pairs
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers.many.loop import Solutions
 from cgff_cli.structure import from_scene, refuse_geometry
-from cgff_cli.study.axes import Axis, Values, axes
+from cgff_cli.study.axes import Axis, Values, axes, numbers_of
 from cgff_cli.study.outs import Answers, Out, outs
 from cgff_cli.values import Rule
 
@@ -27,8 +29,8 @@ CHUNK, CHUNK_ELEMENTS = 1000, 12_000
 HOW_ROWS_ENDED = ("verdict", "converged", "stability", "iterations", "residual_relative", "energy")
 """What is told of every row, after its swept values."""
 
-BAD_SCENE = "bad_scene"
-"""The verdict of a row whose loads no support and no equilibrium can hold."""
+BAD_SCENE, NO_SCENE = "bad_scene", "nothing can balance the loads, or no rest length gives the pretension"
+"""The verdict of a row with loads that nothing can balance, or a pretension that no rest length gives."""
 
 MOST_ROWS = Rule("how many rows", int, least=1, most=10**12)
 
@@ -102,8 +104,11 @@ class Sweep:
         return np.stack(found, axis=1)
 
     def arrays(self, values: np.ndarray) -> dict[str, np.ndarray]:
-        """Return what `solve_many` takes for swept values, (m, axes): the arrays that they change."""
-        own = own_numbers(self.scene, from_scene(self.scene))
+        """Return what `solve_many` takes for swept values, (m, axes): the arrays that they change.
+
+        A swept pretension is the force that an element has at the file's own coordinates, with the row's EA.
+        """
+        own = numbers_of(self.scene)
         found: dict[str, np.ndarray] = {}
         for axis, column in zip(self.axes, values.T, strict=True):
             numbers = own[axis.array]
@@ -111,6 +116,13 @@ class Sweep:
             factors = column.reshape(-1, *(1,) * numbers[axis.place].ndim)
             at = (slice(None), *axis.place)
             array[at] = array[at] * factors if axis.is_factor else factors
+        if "pretension" in found:
+            t, EA = found.pop("pretension"), found.get("EA", own["EA"])
+            rest = found.setdefault("rest_lengths", np.tile(own["rest_lengths"], (len(values), 1)))
+            swept = np.concatenate([axis.place[0] for axis in self.axes if axis.array == "pretension"])
+            pairs, X = all_pairs(self.scene.groups), self.scene.coordinates
+            l = np.linalg.norm(X[pairs[:, 0]] - X[pairs[:, 1]], axis=1)
+            rest[:, swept] = rest_lengths_for(self.scene.law, l, t, EA)[:, swept]
         return found
 
     def scene_at(self, values: np.ndarray, shape: np.ndarray | None = None) -> Scene:
@@ -125,6 +137,8 @@ class Sweep:
             scene = scene.with_rest_lengths(found["rest_lengths"])
         if "EA" in found:
             scene = scene.with_axial_stiffness(found["EA"])
+        if "weights" in found:
+            scene = scene.with_weights(found["weights"])
         if "loads" in found:
             scene = replace(scene, loads=dict(enumerate(map(tuple, found["loads"].tolist()))))
         return scene
@@ -133,10 +147,8 @@ class Sweep:
         """Return the rows of a chunk, each from the scene's own start."""
         values = self.values(chunk.first, chunk.last) if chunk.values is None else chunk.values
         arrays, structure = self.arrays(values), from_scene(self.scene)
-        good: np.ndarray = np.ones(len(values), dtype=bool)
-        if "loads" in arrays:
-            good &= ~net_loads(self.scene, structure.free, arrays["loads"]).any(axis=(1, 2))
-            arrays = {name: array[good] for name, array in arrays.items()}
+        good = self.may_be(arrays, len(values))
+        arrays = {name: array[good] for name, array in arrays.items()}
         swept = {axis.key: column.tolist() for axis, column in zip(self.axes, values.T, strict=True)}
         answers = solve_many(self.scene, **arrays, **self.options.to_dict())
         rest = np.broadcast_to(arrays.get("rest_lengths", structure.rest_lengths), answers.forces.shape)
@@ -147,6 +159,18 @@ class Sweep:
             told["converged"] = np.where(good, told["converged"], False)
         columns = swept | {name: column.tolist() for name, column in told.items()}
         return SolvedRows(columns, int((~answers.converged).sum()), int((~good).sum()))
+
+    def may_be(self, arrays: dict[str, np.ndarray], count: int) -> np.ndarray:
+        """Return (m,) bool: rows whose pretensions have rest lengths, and whose loads can be held."""
+        good: np.ndarray = np.ones(count, dtype=bool)
+        if "rest_lengths" in arrays:
+            good &= np.isfinite(arrays["rest_lengths"]).all(axis=1)
+        if "loads" in arrays or "weights" in arrays:
+            structure = from_scene(self.scene)
+            own = {name: array[None] for name, array in own_numbers(self.scene, structure).items()}
+            loads = total_loads(self.scene, structure, own | arrays)
+            good &= ~net_loads(self.scene, structure.free, loads).any(axis=(1, 2))
+        return good
 
     def told(self, answers: Solutions, shapes: Answers) -> dict[str, np.ndarray]:
         """Return the columns that follow the swept values, (m,) each."""

@@ -38,10 +38,14 @@ def test_the_shipped_structures_raise_no_doubt(name: str):
     assert cgff_cli.solve(shipped(name)).warnings == ()
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("family", [family for family in FAMILIES if family != "kresling"])
 def test_no_family_raises_a_doubt(family: str):
     smaller = {"net": {"side": 20}}.get(family, {})
     assert cgff_cli.solve(new(family, **smaller)).warnings == ()
+
+
+def test_a_module_at_rest_is_said_to_carry_no_force():
+    assert kinds(cgff_cli.solve(new("kresling"))) == ["no force"]
 
 
 def test_the_small_scenes_of_the_standard_suite_raise_no_doubt():

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
+from cgff_cli import pipeline
 from cgff_cli.cli import main
 
 STRUCTURES = Path(__file__).parents[2] / "structures"
@@ -47,3 +48,17 @@ def unstable(tmp_path: Path) -> str:
     """Write a scene that starts in an unstable equilibrium and return its path."""
     (tmp_path / "unstable.yaml").write_text(UNSTABLE)
     return "unstable.yaml"
+
+
+@pytest.fixture
+def solved(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Return the scenes solved so far."""
+    names: list[str] = []
+    real = pipeline.solve
+
+    def counted(scene, **options):
+        names.append(scene.path)
+        return real(scene, **options)
+
+    monkeypatch.setattr(pipeline, "solve", counted)
+    return names

@@ -218,7 +218,7 @@ def test_loads_and_supports_of_a_result_count(run: Run):
 def test_a_result_is_no_scene_to_solve(run: Run, solved: str):
     ended = run("solve", solved)
     assert ended.exit_code == 3
-    assert "unknown key" in ended.stderr
+    assert "this is the result of a solve, not a scene" in ended.stderr
 
 
 def test_the_page_of_a_sensitivity_names_no_node_that_stays(run: Run):

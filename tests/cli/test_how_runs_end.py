@@ -50,7 +50,7 @@ def test_a_missing_file_is_a_bad_scene(run: Run):
 def test_a_bad_scene_stops_only_itself(run: Run, bad: str):
     ended = run("solve", bad, "prism.yaml", "--out-dir", "out")
     assert ended.exit_code == 3
-    assert [path.name for path in Path("out").iterdir()] == ["prism.json"]
+    assert [path.name for path in Path("out").glob("[!.]*")] == ["prism.json"]
 
 
 def test_a_bad_scene_outweighs_one_that_did_not_converge(run: Run, bad: str):
@@ -133,7 +133,7 @@ def test_an_interrupted_analysis_is_130_and_leaves_the_solution(run: Run, monkey
     monkeypatch.setattr(equilibrium, "Ranks", _interrupted)
     ended = run("solve", "prism.yaml", "bracket.yaml", "--out-dir", "out", "-q")
     assert ended.exit_code == 130
-    assert [path.name for path in Path("out").iterdir()] == ["prism.json"]
+    assert [path.name for path in Path("out").glob("[!.]*")] == ["prism.json"]
     result = json.loads(Path("out/prism.json").read_text())
     assert (result["verdict"], result["analysis"]["stable"]) == ("converged", None)
     assert result["analysis"]["slack_count"] == 0

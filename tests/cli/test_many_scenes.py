@@ -21,20 +21,6 @@ def scenes(run: Run, bad: str) -> None:
     Path("flat.yaml").write_text(f"{prism}solver: {{max_iterations: 2}}\n")
 
 
-@pytest.fixture
-def solved(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """Return the scenes solved so far."""
-    names: list[str] = []
-    real = pipeline.solve
-
-    def counted(scene, **options):
-        names.append(scene.path)
-        return real(scene, **options)
-
-    monkeypatch.setattr(pipeline, "solve", counted)
-    return names
-
-
 def without_times(text: str) -> str:
     return re.sub(r'"seconds": [^}]+|,[^,\n]+$', "", text, flags=re.MULTILINE)
 
@@ -43,7 +29,7 @@ def everything(run: Run, folder: str, *flags: str) -> list[object]:
     """Return all that a run tells, in whatever way, but for times."""
     summary = f"{folder}.csv"
     ended = run("solve", *MANY, "--out-dir", folder, "--summary", summary, "--format", "jsonl", *flags)
-    files = {path.name: without_times(path.read_text()) for path in Path(folder).iterdir()}
+    files = {path.name: without_times(path.read_text()) for path in Path(folder).glob("[!.]*")}
     told = without_times(ended.stdout), without_times(Path(summary).read_text())
     return [ended.exit_code, ended.stderr, files, *told]
 
@@ -148,6 +134,15 @@ def test_a_last_line_that_was_cut_off_costs_its_own_scene_alone(run: Run, solved
     run("solve", *RESUMED)
     assert solved == ["prism2.yaml"]
     assert json.loads(Path("out/prism2.json").read_text())["converged"] is True
+
+
+def test_a_table_of_no_possible_name_is_a_mistake_of_its_scene_alone(run: Run):
+    Path("null.yaml").write_text('law: paper\nnodes: "a\\0.csv"\nelements: {}\n')
+    for flags in ([], ["--resume"], ["--jobs", "2"]):
+        ended = run("solve", "null.yaml", "prism.yaml", "--out-dir", "out", *flags)
+        assert ended.exit_code == 3
+        assert ended.stderr.startswith("null.yaml:2:8: nodes: cannot read")
+        assert "error" not in ended.stderr
 
 
 @pytest.mark.parametrize("arguments", [("prism.yaml", "--resume"), ("-", "--out-dir", "d", "--resume")])

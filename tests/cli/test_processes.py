@@ -3,6 +3,7 @@
 import json
 import os
 import pty
+import re
 import signal
 import subprocess
 import sys
@@ -28,6 +29,13 @@ def test_a_result_survives_a_pipe_byte_for_byte():
     assert result["converged"] is True
     assert list(result["nodes"]) == ["n1", "n2", "n3", "n4", "n5", "n6"]
     assert piped.stderr == b""
+
+
+def test_a_pipe_named_as_a_file_is_read_once_and_here(tmp_path: Path):
+    command = [*CGFF, "solve", "/dev/stdin", PRISM, "--jobs", "2", "--out-dir", "out"]
+    for _ in range(2):  # the second time there is a file to be replaced
+        subprocess.run(command, input=Path(PRISM).read_bytes(), env=ENVIRONMENT, cwd=tmp_path, check=True)
+    assert sorted(path.name for path in (tmp_path / "out").glob("[!.]*")) == ["prism.json", "stdin.json"]
 
 
 @pytest.mark.parametrize(("flags", "begins"), [([], b"{\n"), (["--format", "csv"], b"name,x,y,z\n")])
@@ -82,7 +90,7 @@ def test_ctrl_c_writes_the_last_state_and_starts_no_other_scene(tmp_path: Path):
     code, words = _interrupt_when_shown([*CGFF, "solve", *arguments], b"iteration")
     assert code == 130
     assert b"interrupted: " in words
-    assert [path.name for path in (tmp_path / "out").iterdir()] == ["chain.json"]
+    assert [path.name for path in (tmp_path / "out").glob("[!.]*")] == ["chain.json"]
     result = json.loads((tmp_path / "out" / "chain.json").read_text())
     assert (result["verdict"], result["converged"]) == ("interrupted", False)
     assert len(result["nodes"]) == 201
@@ -96,9 +104,20 @@ def test_ctrl_c_writes_the_last_state_of_what_other_processes_have_begun(tmp_pat
     code, words = _interrupt_when_shown([*CGFF, "solve", *arguments], b"1 of 4 scenes")
     assert code == 130
     assert b"Traceback" not in words
-    written = [json.loads(path.read_text()) for path in sorted((tmp_path / "out").iterdir())]
+    written = [json.loads(path.read_text()) for path in sorted((tmp_path / "out").glob("[!.]*"))]
     assert [result["verdict"] for result in written][-1] == "converged"
     assert {result["verdict"] for result in written[:-1]} <= {"interrupted"}
+
+
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_many_scenes_are_counted_on_a_terminal_and_words_have_lines_of_their_own(tmp_path: Path, jobs: str):
+    (tmp_path / "double.yaml").write_text(DOUBLE)
+    arguments = ["double.yaml", PRISM, "--jobs", jobs, "--out-dir", "out"]
+    shown = _on_terminal([*CGFF, "solve", *arguments], ENVIRONMENT, tmp_path).decode()
+    assert "\r0 of 2 scenes  " in shown
+    assert re.search(r"\r1 of 2 scenes  \d\S*/\w+  \S+ s left", shown)
+    lines = [line.rpartition("\r")[2] for line in shown.split("\r\n")]  # as they stay
+    assert [line.partition(": warning")[0] for line in lines] == ["cgff: double.yaml", ""]
 
 
 def test_ctrl_c_leaves_the_cases_already_measured(tmp_path: Path):

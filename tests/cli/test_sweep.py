@@ -58,7 +58,10 @@ def test_rows_without_equilibrium_are_written_and_end_with_4(run: Run):
 
 def test_loads_that_nothing_balances_end_with_3(run: Run):
     ended = run("sweep", "prism.yaml", "--set", "loads.n1.x=0,1")
-    told = "cgff: prism.yaml: 1 row with loads that nothing can balance: bad_scene\n"
+    told = (
+        "cgff: prism.yaml: 1 row bad_scene: nothing can balance the loads, "
+        "or no rest length gives the pretension\n"
+    )
     assert (ended.exit_code, ended.stderr) == (3, told)
 
 

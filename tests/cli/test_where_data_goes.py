@@ -72,13 +72,13 @@ def test_history_and_elements_also_the_other_way_round(run: Run):
 def test_many_scenes_go_to_a_folder_made_for_them(run: Run):
     ended = run("solve", "prism.yaml", "bracket.yaml", "--out-dir", "deep/results")
     assert (ended.exit_code, ended.stdout) == (0, "")
-    assert sorted(path.name for path in Path("deep/results").iterdir()) == ["bracket.json", "prism.json"]
+    assert sorted(path.name for path in Path("deep/results").glob("[!.]*")) == ["bracket.json", "prism.json"]
     assert json.loads(Path("deep/results/prism.json").read_text())["scene"]["path"] == "prism.yaml"
 
 
 def test_a_folder_of_coordinates(run: Run):
     run("solve", "prism.yaml", "bracket.yaml", "--out-dir", "out", "--format", "csv")
-    assert sorted(path.name for path in Path("out").iterdir()) == ["bracket.csv", "prism.csv"]
+    assert sorted(path.name for path in Path("out").glob("[!.]*")) == ["bracket.csv", "prism.csv"]
 
 
 def test_a_folder_and_a_table_of_what_is_in_it(run: Run):

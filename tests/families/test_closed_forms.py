@@ -1,6 +1,6 @@
 """What is known of the families from elsewhere: twists, ratios, counts, and relations between them."""
 
-from math import pi, sin, sqrt
+from math import cos, pi, sin, sqrt
 
 import numpy as np
 import pytest
@@ -28,6 +28,23 @@ def test_a_prism_solved_from_noise_twists_by_a_right_angle_less_half_a_side(side
 def test_a_prism_may_be_asked_for_by_its_strut():
     scene = cgff_cli.new("prism", sides=6, radius=2.0, strut=9.0)
     assert element_lengths(scene.coordinates, scene.groups[2].pairs) == pytest.approx([9.0] * 6)
+
+
+@pytest.mark.parametrize("struts", [3, 5, 7, 11])
+def test_a_star_prism_is_super_stable_and_pulls_as_the_prism_of_its_struts_does(struts):
+    result = cgff_cli.solve(cgff_cli.new("star-prism", struts=struts, noise=0.1, seed=struts))
+    ends = [(i, struts + i) for i in range(struts)]
+    assert twist(result.coordinates, ends) == pytest.approx(90.0 / struts, abs=1e-6)
+    assert result.analysis["super_stable"]
+    assert result.analysis["mechanisms"] == 2 * struts + 1
+    q = densities("star-prism", struts=struts)
+    assert q == pytest.approx({"radials": 1.0, "verticals": q["verticals"], "struts": -q["verticals"]})
+    assert q["verticals"] == pytest.approx(0.5 / cos(pi / (2.0 * struts)))
+
+
+def test_the_star_prism_of_three_struts_has_the_nodes_of_the_prism():
+    star, prism = cgff_cli.new("star-prism", struts=3), cgff_cli.new("prism")
+    assert star.coordinates[:6] == pytest.approx(prism.coordinates)
 
 
 @pytest.mark.parametrize("sides", range(3, 10))

@@ -49,7 +49,8 @@ def test_noise_moves_nodes_by_a_part_of_the_mean_length_and_supports_never(name)
     reach = 0.1 * np.concatenate([target.lengths(own) for own in target.members]).mean()
     moved = np.abs(noisy.coordinates - plain.coordinates)
     assert 0.5 * reach < moved.max() <= reach * (1.0 + 1e-12)
-    assert not moved[list(plain.supports)].any()
+    for row, axes in plain.supports.items():
+        assert not moved[row, ["xyz".index(axis) for axis in axes]].any()
 
 
 def test_jitter_changes_rest_lengths_by_at_most_its_fraction():
@@ -107,6 +108,13 @@ def test_the_header_promises_no_answer_where_none_is_known():
             {"bend": 300, "modules": 1},
             "modules of length 1 and width 1 cannot be bent by 300 degrees",
         ),
+        ("star-prism", {"struts": 4}, "struts must be odd, got 4: with an even number none is super-stable"),
+        (
+            "kresling",
+            {"height": 2.0},
+            "folded must be between 1 and 2, the height, with 6 sides and a radius of 1, got 0.5",
+        ),
+        ("levy", {"sides": 6, "rings": 7}, "rings must be at most 6 with 6 sides, got 7"),
         ("snake", {"noise": -1}, "noise must be a number from 0 to 1000000, got -1"),
         (
             "octahedron",

@@ -68,6 +68,60 @@ def test_the_line_is_redrawn_ten_times_a_second_at_most(clock: list[float], draw
     assert 8 <= len(drawn()) - 2 <= 11
 
 
+def test_a_count_is_told_with_its_rate_and_the_time_left(clock: list[float], drawn: Drawn):
+    with Progress("") as show:
+        show.count(0, 1000, "scenes")
+        clock[0] += 2.0
+        show.count(120, 1000, "scenes")
+    first, second, *_ = drawn()
+    assert first.rstrip() == "0 of 1000 scenes"
+    assert second.rstrip() == "120 of 1000 scenes  60/s  15 s left"
+
+
+def test_what_was_there_before_is_counted_but_is_no_work(clock: list[float], drawn: Drawn):
+    with Progress("") as show:
+        clock[0] += 10.0
+        show.count(905, 1000, "scenes", before=900)
+    assert drawn()[0].rstrip() == "905 of 1000 scenes  30/min  3.17 min left"
+
+
+@pytest.mark.parametrize(
+    ("done", "seconds", "told"),
+    [
+        (1, 1e-6, "1000000/s  1 s left"),
+        (5, 2.0, "2.5/s  38 s left"),
+        (1, 1200.0, "3.0/h  33 h left"),
+        (99, 9.9, "10/s  1 s left"),
+    ],
+)
+def test_rates_and_times_are_told_in_units_a_person_reads(
+    clock: list[float], drawn: Drawn, done: int, seconds: float, told: str
+):
+    with Progress("") as show:
+        clock[0] += seconds
+        show.count(done, 100, "scenes")
+    assert drawn()[0].rstrip() == f"{done} of 100 scenes  {told}"
+
+
+def test_a_slow_solve_among_many_is_seen_beside_the_count(clock: list[float], drawn: Drawn):
+    with Progress("") as show:
+        show.count(1, 3, "scenes")
+        clock[0] += progress.DELAY - 0.01
+        show(ROW)
+        clock[0] += 0.02
+        show(ROW)
+    assert [line.split("  ")[0] for line in drawn()] == ["1 of 3 scenes"] * 2 + ["", ""]
+    assert "iteration 12" in drawn()[1]
+
+
+def test_what_is_written_meanwhile_finds_the_line_empty(clock: list[float], drawn: Drawn):
+    with Progress("") as show:
+        show.count(1, 3, "scenes")
+        show.wipe()
+        show.count(2, 3, "scenes")
+    assert [line.split("  ")[0] for line in drawn()] == ["1 of 3 scenes", "", "", "2 of 3 scenes", "", ""]
+
+
 def test_rich_is_imported_only_when_there_is_something_to_show():
     program = (
         "import sys\nfrom cgff_cli.report.progress import Progress\n"

@@ -197,7 +197,8 @@ def test_the_same_seed_gives_the_same_bytes_whoever_does_the_work_and_another_se
 
 
 def test_an_interrupt_keeps_what_was_found():
-    def interrupt(words: str) -> None:
+    def interrupt(done: int, total: int, words: str) -> None:
+        assert (done, total, words) == (200, 5000, "starts, distinct equilibria: 1")
         raise KeyboardInterrupt
 
     found = equilibria(shipped("prism"), starts=5000, watcher=interrupt)

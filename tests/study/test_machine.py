@@ -1,17 +1,23 @@
 """The machine: rows in the order of the jobs, known ones not done again, errors in their place."""
 
 import os
+import select
 import signal
+import subprocess
+import sys
 import time
 from concurrent.futures import BrokenExecutor
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 
-from cgff_cli.errors import Problem, SceneError
+from cgff_cli.errors import OptionError, Problem, SceneError
 from cgff_cli.study.hands import ONE_THREAD
 from cgff_cli.study.machine import Journal, done
+
+ROOT = Path(__file__).parents[2]
 
 
 class Number(NamedTuple):
@@ -109,12 +115,64 @@ def test_workers_hand_in_what_they_have_when_this_process_is_interrupted(tmp_pat
 
 def test_a_journal_holds_what_a_run_that_was_killed_had_done(tmp_path: Path):
     path = str(tmp_path / "journal")
-    journal = Journal(path)
-    journal["a"] = [1, {"x": 0.1}]
-    journal["b"] = [2]
-    with Path(path).open("a") as file:
-        file.write('\n["c", [3')
-    again = Journal(path)
-    assert again == {"a": [1, {"x": 0.1}], "b": [2]}
-    again["c"] = [4]
-    assert Journal(path)["c"] == [4]
+    with Journal(path) as journal:
+        journal["a"] = [1, {"x": 0.1}]
+        journal["b"] = [2]
+    with Path(path).open("ab") as file:
+        file.write(b'\n["c", [3\xff')
+    with Journal(path) as again:
+        assert again == {"a": [1, {"x": 0.1}], "b": [2]}
+        again["c"] = [4]
+    with Journal(path) as last:
+        assert last["c"] == [4]
+
+
+def test_runs_that_only_add_to_a_journal_share_it(tmp_path: Path):
+    path = str(tmp_path / "journal")
+    with Journal(path, alone=False) as one, Journal(path, alone=False) as other:
+        one["a"] = 1
+        other["b"] = 2
+        one["a"] = 3
+    with Journal(path) as found:
+        assert found == {"a": 3, "b": 2}
+
+
+@pytest.mark.parametrize(("first", "then"), [(True, True), (True, False), (False, True)])
+def test_a_journal_wanted_alone_is_shared_with_nobody(tmp_path: Path, first: bool, then: bool):
+    path = str(tmp_path / "journal")
+    with (
+        Journal(path, alone=first),
+        pytest.raises(OptionError, match="another run is at work there"),
+        Journal(path, alone=then),
+    ):
+        pass
+    with Journal(path, alone=then):
+        pass
+
+
+def test_a_worker_ends_with_the_process_that_began_it():
+    program = (
+        "from tests.study.test_machine import numbers, at_ease\n"
+        "from cgff_cli.study.machine import done\n"
+        "list(done(numbers(1, 2), at_ease, processes=2))\n"
+    )
+    begun = subprocess.Popen(
+        [sys.executable, "-c", program], stdout=subprocess.PIPE, start_new_session=True, cwd=ROOT
+    )
+    try:
+        out = begun.stdout.fileno()
+        assert len(os.read(out, 1) + os.read(out, 1)) == 2
+        begun.kill()
+        closed, *_ = select.select([out], [], [], 10.0)  # once no worker is left to write to it
+        assert closed == [out]
+        assert os.read(out, 1) == b""
+    finally:
+        with suppress(ProcessLookupError):
+            os.killpg(begun.pid, signal.SIGKILL)
+        begun.communicate()
+
+
+def at_ease(job: Number) -> int:
+    os.write(1, b"!")
+    time.sleep(20.0)
+    return job.value

@@ -212,5 +212,5 @@ def test_what_is_no_path_is_refused(asked: dict[str, object], message: str):
 
 
 def test_loads_that_nothing_holds_are_refused_before_the_path_begins():
-    with pytest.raises(cgff_cli.OptionError, match=r"loads.n1.z: at 1 no equilibrium exists"):
+    with pytest.raises(cgff_cli.OptionError, match=r"loads.n1.z: at 1 nothing can balance the loads"):
         sweep(cgff_cli.load(STRUCTURES / "prism.yaml"), set={"loads.n1.z": "0:2:3"}, follow=True)

@@ -10,6 +10,7 @@ import pytest
 
 import cgff_cli
 from cgff_cli.scene.scene import Scene
+from cgff_cli.study.axes import KEYS
 from cgff_cli.study.rows import sweep
 from cgff_cli.study.sweep import BAD_SCENE, Span, Sweep, planned
 from tests.shapes import STRUCTURES
@@ -157,14 +158,13 @@ def test_elements_without_rest_length_have_no_strain_to_tell():
 @pytest.mark.parametrize(
     ("asked", "message"),
     [
-        ({}, "nothing is swept; give GROUP.rest_length, GROUP.EA, nodes.NAME.x or loads.NAME.x some values"),
+        ({}, f"nothing is swept; give {KEYS} some values"),
         ({"set": {"lift.EA": "1"}}, "no group is named 'lift'; did you mean 'left'?"),
         ({"set": {"loads.B.y": "1"}}, "no node is named 'B'; did you mean 'b'?"),
         ({"set": {"loads.b.z": "1"}}, "loads.b.z: an axis of this scene is one of x, y"),
         (
             {"set": {"left.length": "1"}},
-            "left.length: no number of a scene; what can be swept: "
-            "GROUP.rest_length, GROUP.EA, nodes.NAME.x or loads.NAME.x",
+            f"left.length: no number of a scene; what can be swept: {KEYS}",
         ),
         ({"set": {"left.EA": "0:1:3"}}, "left.EA: EA must be > 0, got 0"),
         ({"set": {"left.EA": "1:inf:3"}}, "left.EA=1:inf:3: both ends of a range must be finite"),

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import numpy as np
 
-from cgff_cli.scene.equilibrium import Equilibrium, Prestress, members, tightened
+from cgff_cli.scene.equilibrium import Equilibrium, Prestress, Weight, members, tightened
 from cgff_cli.values import Rule
 
 EXAMPLES = (
@@ -20,6 +20,7 @@ def equilibrium(
     span: Annotated[float, Rule("width of the net", positive=True)] = 10.0,
     rise: Annotated[float, Rule("height of the rim's middles above and below its corners")] = 1.5,
     snow: Annotated[float, Rule("load on every unit of plan area, downwards, put on afterwards")] = 0.0,
+    weight: Weight = 0.0,
     start: Annotated[str, Rule("where the inside starts", choices=("flat", "saddle"))] = "flat",
     prestress: Prestress = 10.0,
 ) -> Equilibrium:
@@ -46,6 +47,7 @@ def equilibrium(
             members=groups,
             answer=f"closed form, z = {rise:g} (x^2 - y^2) / {span / 2.0:g}^2, one force density everywhere",
             supports=dict.fromkeys(np.flatnonzero(on_rim).tolist(), "xyz"),
+            weight=weight,
             added_loads=dict.fromkeys(np.flatnonzero(~on_rim).tolist(), load) if snow else {},
             start=np.where(on_rim[:, None], X, X * (1.0, 1.0, 0.0)) if start == "flat" else None,
         ),

@@ -6,6 +6,7 @@ from typing import Annotated
 import numpy as np
 
 from cgff_cli.scene.equilibrium import Equilibrium, Prestress, members, tightened
+from cgff_cli.scene.families.symmetric import least_push, rotations_of, turned_about
 from cgff_cli.values import Rule
 
 EXAMPLES = (
@@ -41,12 +42,12 @@ def equilibrium(
     that gives one.
     """
     valence, cosine = SOLIDS[kind]
-    cut = _rotation((0.0, 0.0, 1.0), 2.0 * pi / valence)
+    cut = turned_about((0.0, 0.0, 1.0), 2.0 * pi / valence)
     half = acos(cosine) / 2.0
-    edge = _rotation((sin(half), 0.0, cos(half)), pi)
+    edge = turned_about((sin(half), 0.0, cos(half)), pi)
     strut = cut.T @ edge @ cut
     push, point = _balance(cut, edge, strut, ratio)
-    rotations = _group_of(cut, edge)
+    rotations = rotations_of(cut, edge)
     groups = (
         members("cuts", "cable", _orbit(rotations, cut), 1.0),
         members("edges", "cable", _orbit(rotations, edge), ratio),
@@ -58,38 +59,12 @@ def equilibrium(
     return tightened(Equilibrium(f"Truncated {kind}", names, X, groups, answer), prestress)
 
 
-def _rotation(axis: tuple[float, float, float], angle: float) -> np.ndarray:
-    """Return the (3, 3) rotation about a unit axis (Rodrigues)."""
-    x, y, z = axis
-    cross = np.array([(0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)])
-    return np.eye(3) + sin(angle) * cross + (1.0 - cos(angle)) * cross @ cross
-
-
 def _balance(cut: np.ndarray, edge: np.ndarray, strut: np.ndarray, ratio: float) -> tuple[float, np.ndarray]:
-    """Return the force density q of the struts and the unit point p that it balances.
-
-    A p + q B p = 0, A and B what cables and a strut pull from the node: A is positive definite, so q is
-    -1 over the largest eigenvalue of A^-1/2 B A^-1/2; any other root has a negative D.
-    """
+    """Return the force density of the struts and the unit point (3,) that it balances."""
     unit = np.eye(3)
-    A = 2.0 * unit - cut - cut.T + ratio * (unit - edge)
-    B = unit - strut
-    values, vectors = np.linalg.eigh(A)
-    root = vectors / np.sqrt(values) @ vectors.T
-    pulls, points = np.linalg.eigh(root @ (B + B.T) @ root / 2.0)
-    point = root @ points[:, -1]
-    return -1.0 / float(pulls[-1]), point / np.linalg.norm(point)
-
-
-def _group_of(*generators: np.ndarray) -> np.ndarray:
-    """Return the (m, 3, 3) rotations that some rotations generate, the identity first."""
-    found = [np.eye(3)]
-    for rotation in found:  # grows while it is walked
-        for generator in generators:
-            product = rotation @ generator
-            if np.abs(np.array(found) - product).max(axis=(1, 2)).min() > 1e-6:
-                found.append(product)
-    return np.array(found)
+    cables = 2.0 * unit - cut - cut.T + ratio * (unit - edge)
+    push, point = least_push(cables, unit - (strut + strut.T) / 2.0)
+    return push, point / np.linalg.norm(point)
 
 
 def _orbit(rotations: np.ndarray, step: np.ndarray) -> list[tuple[int, int]]:

@@ -8,11 +8,15 @@ import numpy as np
 Pairs = list[tuple[int, int]]
 
 
-def ring_nodes(sides: int, radius: float, turns: Sequence[float], height: float) -> np.ndarray:
-    """Return (levels * sides, 3) nodes: one ring per angle of `turns` (radians), `height` apart."""
-    angles = np.add.outer(np.asarray(turns), 2.0 * pi / sides * np.arange(sides))
+def ring_nodes(sides: int, radius: float | np.ndarray, turns: Sequence[float], height: float) -> np.ndarray:
+    """Return (levels * sides, 3) nodes: one ring per angle of `turns` (radians), `height` apart.
+
+    radius : one number, or (levels,)
+    """
+    angles = np.add.outer(np.asarray(turns), 2.0 * pi / sides * np.arange(sides)).ravel()
+    radii = np.repeat(np.broadcast_to(radius, len(turns)), sides)
     z = np.repeat(height * np.arange(len(turns)), sides)
-    return np.column_stack([radius * np.cos(angles).ravel(), radius * np.sin(angles).ravel(), z])
+    return np.column_stack([radii * np.cos(angles), radii * np.sin(angles), z])
 
 
 def ring_names(sides: int, levels: int) -> list[str]:
@@ -27,11 +31,12 @@ def ring_pairs(sides: int, levels: Iterable[int]) -> Pairs:
 
 def stage_pairs(sides: int, steps: Sequence[int]) -> Pairs:
     """Return members from node i of each level to node i + step of the next; one step per stage."""
-    return [
-        (sides * s + i, sides * (s + 1) + (i + step) % sides)
-        for s, step in enumerate(steps)
-        for i in range(sides)
-    ]
+    return [pair for s, step in enumerate(steps) for pair in level_pairs(sides, s, s + 1, step)]
+
+
+def level_pairs(sides: int, start: int, end: int, step: int) -> Pairs:
+    """Return members from node i of one level to node i + step of another."""
+    return [(sides * start + i, sides * end + (i + step) % sides) for i in range(sides)]
 
 
 def stage_stress(sides: int, twist: float) -> tuple[float, float, float, float]:

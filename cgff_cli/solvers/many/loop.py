@@ -138,7 +138,8 @@ class Loop:
     def _note(self, r: Batch, s: Batch, relative: np.ndarray, found: np.ndarray) -> None:
         """Write down the answers of rows, in the user's units."""
         number, to, X = r.number, self.answers, s.X.swapaxes(1, 2) + r.centre[:, None]
-        to.coordinates[number] = np.where(self.free, X, self.values["coordinates"][number])
+        stays = ~self.free | (r.iteration == 0)[:, None, None]
+        to.coordinates[number] = np.where(stays, self.values["coordinates"][number], X)
         work = dot(flat(self.values["loads"][number]), flat(X))
         to.forces[number], to.energy[number] = s.t, elements.energy(s.t, s.e) - work
         to.residual_relative[number], to.iterations[number] = relative, r.iteration

@@ -1,0 +1,73 @@
+"""Load cases: one scene, solved under each, from its equilibrium without them."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cgff_cli import pipeline
+from cgff_cli.result import Result
+from cgff_cli.scene.scene import Scene
+from cgff_cli.solvers.solution import Observer
+from cgff_cli.values import DEAD
+
+BEGINS = "equilibrium without cases", "start of the scene"
+"""Where a case begins: there if there is one, else where the scene does."""
+
+
+def solve_cases(
+    scene: Scene, names: Iterable[str], *, observer: Observer | None = None, **changes: object
+) -> Iterator[Result]:
+    """Yield the Result of a scene in each load case or combination, whatever their order; see `solve`.
+
+    Each begins at the scene's own equilibrium without cases, where it has one: result.scene["begins"] tells.
+    Raises OptionError for a case that the scene has not.
+    """
+    names = list(names)
+    scenes = [scene.in_case(name) for name in names]  # before anything is solved
+    dead = pipeline.solve(scene.in_case(DEAD), observer=observer, **changes)
+    if dead.interrupted:  # what is left of it is the result of none of them
+        raise KeyboardInterrupt
+    begins = BEGINS[not dead.converged]
+    for name, own in zip(names, scenes, strict=True):
+        if name == DEAD:
+            yield dead
+            continue
+        begun = own.with_coordinates(dead.coordinates) if dead.converged else own
+        result = pipeline.solve(replace(begun, begins=begins), observer=observer, **changes)
+        yield result
+        if result.interrupted:
+            return
+
+
+@dataclass
+class Envelope:
+    """Least and greatest of what results of one scene have, and in which case.
+
+    least, greatest : forces (b,), then reactions (s d,) of the s supports   cases : names, results' order
+    least_in, greatest_in : the numbers of the cases                        left_out : those without balance
+    """
+
+    least: np.ndarray
+    greatest: np.ndarray
+    least_in: np.ndarray
+    greatest_in: np.ndarray
+    cases: list[str]
+    left_out: list[str]
+
+
+def envelope_of(results: Iterable[Result]) -> Envelope | None:
+    """Return the envelope of the results whose forces balance; None where there is none."""
+    cases, rows, left_out = [], [], []
+    for result in results:
+        if not result.converged:
+            left_out.append(result.source.case)
+            continue
+        held = sorted(result.source.supports)
+        cases.append(result.source.case)
+        rows.append(np.concatenate([result.forces, result.solution.reactions[held].ravel()]))
+    if not rows:
+        return None
+    table = np.stack(rows)
+    least, greatest = table.argmin(axis=0), table.argmax(axis=0)
+    return Envelope(table.min(axis=0), table.max(axis=0), least, greatest, cases, left_out)
