@@ -14,13 +14,13 @@ MOST_LINES_OF_A_FUNCTION = 50
 BUDGET = {
     "top": 1817,
     "analysis": 2201,
-    "cli": 2664,
+    "cli": 2668,
     "mechanics": 966,
-    "report": 1903,
+    "report": 1911,
     "rivals": 694,
     "scene": 4450,
     "solvers": 2421,
-    "study": 2964,
+    "study": 2992,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""
 

@@ -193,8 +193,11 @@ def report_error(error: Exception) -> ExitCode:
     if isinstance(error, CgffError):
         say(f"cgff: {error}")
         return ExitCode.USAGE if isinstance(error, OptionError) else ExitCode.ERROR
-    text = f"{type(error).__name__}: {error}".rstrip(": ")
-    say(f"cgff: unexpected error: {text}; run again with --traceback")
+    from concurrent.futures import BrokenExecutor
+
+    text = f"unexpected error: {type(error).__name__}: {error}".rstrip(": ") + "; run again with --traceback"
+    is_killed = isinstance(error, BrokenExecutor)
+    say(f"cgff: {'a worker process was killed, maybe for want of memory' if is_killed else text}")
     return ExitCode.ERROR
 
 
@@ -229,9 +232,8 @@ def errors_reported() -> Iterator[None]:
         raise click.exceptions.Exit(ExitCode.BROKEN_PIPE) from None
     except Exception as error:
         told: Exception = error
-        if (
-            isinstance(error, OSError) and error.filename is None
-        ):  # from --help, the one output of click's own
+        # From --help, the one output of click's own.
+        if isinstance(error, OSError) and error.filename is None:
             told = CgffError(f"standard output: cannot be written: {error.strerror}")
         raise click.exceptions.Exit(report_error(told)) from error
     finally:

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 
 from cgff_cli import __version__
-from cgff_cli.cli.common import ExitCode, failed, progress, say, wanted, worst
+from cgff_cli.cli.common import ExitCode, failed, progress, report_error, say, wanted, worst
 from cgff_cli.cli.targets import check_targets, files_of, form_of_data
+from cgff_cli.errors import CgffError
 from cgff_cli.hints import count
 from cgff_cli.report.files import STDOUT, TEXT, is_stream, opened
 
@@ -65,12 +66,13 @@ def by_key(words: str, given: Sequence[tuple[str, str]]) -> dict[str, str]:
 
 
 class Written(NamedTuple):
-    """The rows of a chunk as text, and how many they are, did not converge, are bad."""
+    """The rows of a chunk as text, and how many they are, did not converge, are bad; what a path keeps."""
 
     text: str
     rows_done: int = 0
     not_converged: int = 0
     bad: int = 0
+    kept: dict[str, Any] | None = None
 
 
 @dataclass(frozen=True)
@@ -115,28 +117,34 @@ def checked_form(scene: str, values: Mapping[str, Any]) -> str:
 
 def swept(name: str, plan: "Sweep", form: str, values: Mapping[str, Any]) -> ExitCode:
     """Work out all rows and write them; return how that ended."""
-    rows = plan.rows_of(values["shard"])
+    rows, path = plan.rows_of(values["shard"]), None
+    if values["follow"]:
+        from cgff_cli.study.path import followed
+
+        path = followed(plan)
+    header = (path or plan).names if form == "csv" and not values["no_header"] else ()
     with _sink(plan, rows, values) as sink:
+        left = rows[sink.counts["rows_done"] :]
+        found = _walked(path, form, sink, name) if path else _worked_out(plan, form, left, values)
         try:
-            code = _filled(sink, name, plan, form, rows, values)
-        finally:
-            told = _told(name, sink.counts, len(rows), _is_a_file(values["output"]))
+            code = _filled(sink, name, header, found, len(rows))
+        except KeyboardInterrupt:
+            say(f"cgff: {name}: interrupted")
+            code = ExitCode.INTERRUPTED
+        except CgffError as error:
+            code = report_error(error)
+        told = _told(name, sink.counts, len(rows), _is_a_file(values["output"]))
         if code is ExitCode.OK:
             sink.finish()
     return worst(code, told)
 
 
-def _filled(
-    sink: "Sink", name: str, plan: "Sweep", form: str, rows: range, values: Mapping[str, Any]
-) -> ExitCode:
+def _filled(sink: "Sink", name: str, header: Sequence[str], found: "Iterator[Done]", total: int) -> ExitCode:
     """Give a sink the rows it has not yet, the header before the first; return what ended that."""
-    path = _path(plan, sink) if values["follow"] else None
-    if not sink.counts["bytes"] and form == "csv" and not values["no_header"]:
+    if header and not sink.counts["bytes"]:
         from cgff_cli.report.csv_out import columns
 
-        sink.add("".join(columns(dict.fromkeys((path or plan).names, ()))))
-    left = rows[sink.counts["rows_done"] :]
-    found = _walked(path, form, sink, name) if path else _worked_out(plan, form, left, values)
+        sink.add("".join(columns(dict.fromkeys(header, ()))))
     before = sink.counts["rows_done"]
     with progress(name, delay=0.0) as line:
         for ended in found:
@@ -145,7 +153,7 @@ def _filled(
                 return code
             sink.add(**ended.found._asdict())
             if line is not None:
-                line.count(sink.counts["rows_done"], len(rows), "rows", before)
+                line.count(sink.counts["rows_done"], total, "rows", before)
     return ExitCode.OK
 
 
@@ -154,32 +162,26 @@ def _worked_out(plan: "Sweep", form: str, left: range, values: Mapping[str, Any]
     from cgff_cli.study.machine import done
 
     processes = min(values["jobs"], max(1, -(-len(left) // plan.at_once)))
-    return done(plan.chunks(left), RowsWriting(plan, form), None, processes, _others(values["dask"], left))
-
-
-def _path(plan: "Sweep", sink: "Sink") -> "Path":
-    """Return the path of a sweep, from where an earlier run left it."""
-    from cgff_cli.study.path import PathPoint, followed
-
-    path, here = followed(plan), sink.kept.get("here")
-    if here is not None:
-        import numpy as np
-
-        path.here = PathPoint(here["value"], np.array(here["shape"]), here["stability"])
-    return path
+    work = RowsWriting(plan.for_workers, form)
+    return done(plan.chunks(left), work, None, processes, _others(values["dask"], left))
 
 
 def _walked(path: "Path", form: str, sink: "Sink", name: str) -> "Iterator[Done]":
-    """Yield the rows of a path, and say where an equilibrium is lost."""
-    from cgff_cli.study.machine import Done
+    """Yield the rows of a path from where an earlier run left it, and say where an equilibrium is lost."""
+    import numpy as np
 
+    from cgff_cli.study.machine import Done
+    from cgff_cli.study.path import PathPoint
+
+    if (last := sink.kept.get("here")) is not None:
+        path.here = PathPoint(last["value"], np.array(last["shape"]), last["stability"])
     for stop in path.stops(sink.counts["rows_done"]):
         for value in stop.lost:
             say(f"cgff: {name}: an equilibrium is lost at {path.axis.key} = {value:.9g}")
-        if stop.here is not None:
-            sink.kept["here"] = {**vars(stop.here), "shape": stop.here.shape.tolist()}
+        here = stop.here
+        kept = None if here is None else {"here": {**vars(here), "shape": here.shape.tolist()}}
         row = as_text(form, {column: [value] for column, value in stop.row.items()})
-        yield Done(path, Written(row, 1, int(not stop.row["converged"])))
+        yield Done(path, Written(row, 1, int(not stop.row["converged"]), kept=kept))
 
 
 def _others(address: str | None, left: range) -> AbstractContextManager[Any] | None:

@@ -29,8 +29,8 @@ class Sink(Protocol):
     counts: dict[str, int]
     kept: dict[str, Any]
 
-    def add(self, text: str, **counts: int) -> None:
-        """Take some rows, or a header; counts: how many rows, and how many of some kind, by name."""
+    def add(self, text: str, kept: dict[str, Any] | None = None, **counts: int) -> None:
+        """Take some rows, or a header, what to keep from then on, and how many of each kind, by name."""
 
     def finish(self) -> None:
         """Have all rows."""
@@ -43,9 +43,10 @@ class RowsStream:
         self.out, self.counts = out, dict.fromkeys(COUNTS, 0)
         self.kept: dict[str, Any] = {}
 
-    def add(self, text: str, **counts: int) -> None:
-        """Write some rows."""
+    def add(self, text: str, kept: dict[str, Any] | None = None, **counts: int) -> None:
+        """Write some rows, for whoever reads them as they come."""
         self.out.write(text)
+        self.out.flush()
         self.counts |= {name: self.counts[name] + more for name, more in counts.items()}
 
     def finish(self) -> None:
@@ -121,15 +122,17 @@ class RowsFile:
         if earlier is not None and size >= earlier["bytes"]:
             self.counts, self.kept = {name: earlier[name] for name in COUNTS}, earlier.get("kept", {})
 
-    def add(self, text: str, **counts: int) -> None:
+    def add(self, text: str, kept: dict[str, Any] | None = None, **counts: int) -> None:
         """Write some rows."""
         data = text.encode("utf-8", "backslashreplace")
         with self._refusals():
             left = memoryview(data)
             while left:
                 left = left[os.write(self.handle, left) :]
-            for name, more in (("bytes", len(data)), *counts.items()):
-                self.counts[name] += more
+            counts["bytes"] = len(data)
+            more = {name: own + counts.get(name, 0) for name, own in self.counts.items()}
+            # Together: an interrupt, or a full disk above, leaves both as they were.
+            self.counts, self.kept = more, kept or self.kept
             if monotonic() - self.seen >= EVERY:
                 self._settle()
 
@@ -141,6 +144,8 @@ class RowsFile:
             self._settle()
             os.replace(self.part, self.path)
             _settle_folder(self.path)
+        os.close(self.handle)
+        self.handle = -1  # from now on .part and sidecar may be another run's
 
     def _settle(self) -> None:
         """See that all rows are on the disk, then say so in the sidecar."""
@@ -201,10 +206,13 @@ def _read(sidecar: str) -> dict[str, Any] | None:
             found = json.load(file)
     except FileNotFoundError:
         return None
-    except (OSError, ValueError) as error:
-        raise CgffError(f"{sidecar}: cannot be read: {getattr(error, 'strerror', None) or error}") from error
+    except OSError as error:
+        raise CgffError(f"{sidecar}: cannot be read: {error.strerror or error}") from error
+    except ValueError:
+        found = None
     if not isinstance(found, dict) or not all(isinstance(found.get(name), int) for name in COUNTS):
-        raise CgffError(f"{sidecar}: is not what a sweep leaves beside its rows")
+        why = "is not what a sweep leaves beside its rows; without --resume all begins anew"
+        raise CgffError(f"{sidecar}: {why}")
     return found
 
 

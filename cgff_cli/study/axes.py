@@ -119,7 +119,8 @@ def _values(key: str, given: Values, is_random: bool) -> tuple[np.ndarray, bool,
             if is_random:
                 return np.array((least, greatest)), True, is_log
             count = COUNT.checked(f"{key}={given}: the count", int(words[2]))
-            return (np.geomspace if is_log else np.linspace)(least, greatest, count), False, is_log
+            with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is refused later
+                return (np.geomspace if is_log else np.linspace)(least, greatest, count), False, is_log
     counted = "" if is_random else ":COUNT"
     meant = f"LEAST:GREATEST{counted}, log:LEAST:GREATEST{counted} or numbers with commas"
     why = "; a random sweep takes no count" if is_random and len(words) == 3 else ""

@@ -27,17 +27,22 @@ from cgff_cli.study.sweep import HOW_ROWS_ENDED, NO_SCENE, Sweep
 
 SMALL, SHARE = 1e-4, 0.25
 """A step is followed that moves no node farther beyond what is predicted than this share of the size, or of
-the largest predicted motion."""
+the largest predicted motion, as far as that is no larger than the structure."""
 
 NARROW = 1e-10
 """Share of a value to which a step is halved before what moves is said to fall: a shape that branches off has
 come within SMALL by then, and six digits of the value are sure."""
 
+DIGITS = 1e-6
+"""Share of a value within which a shape that is not stable is what an equilibrium ends as, and falls are
+one."""
+
 BETWEEN_ROWS = 1e-13
 """The tolerance between rows: what is left of an equilibrium that has just ended balances to looser ones."""
 
 LEAST_VALUE = 1e-3
-"""Share of all values' span below which one has no six digits of its own."""
+"""Share of all values' span below which one has no six digits of its own, and to which a step is halved from
+a shape that is one of many: nearer to that one what makes the others stable is within rounding."""
 
 OF_PATHS = ("jump", "lost")
 """What the rows of a path tell more; lost: the value at which an equilibrium ended since the last row."""
@@ -120,13 +125,17 @@ class Path:
 
     def _to(self, value: float) -> Result:
         """Walk to a value, in smaller steps where one moves too far; note where an equilibrium is lost."""
-        a, ahead, end = self.here, [value], self._at(value, self.here)
+        a, ahead, end, sure = self.here, [value], self._at(value, self.here), float("nan")
         while a is not None:
+            if a.stability == "stable":
+                sure = a.value
+            is_one = self._is_near(sure, a.value, DIGITS)  # right at its end an equilibrium is hardly stable
             b = self._point(ahead[-1], end)
             is_followed = end.converged and self._is_followed(a, b)
-            if is_followed or (end.converged and self._is_narrow(a.value, b.value)):
-                if not is_followed:
-                    self.lost.append(b.value)
+            if is_followed or (end.converged and self._is_narrow(a.value, b.value, is_one)):
+                if not is_followed and is_one:
+                    if not any(self._is_near(value, b.value, DIGITS) for value in self.lost):
+                        self.lost.append(b.value)
                     ahead[1:-1] = []
                 a = b
                 ahead.pop()
@@ -139,26 +148,35 @@ class Path:
             end = self._at(ahead[-1], a, 1.0 if len(ahead) == 1 else BETWEEN_ROWS)
         return end
 
-    def _is_narrow(self, a: float, b: float) -> bool:
-        return abs(b - a) <= NARROW * max(abs(a), abs(b), LEAST_VALUE * self.span)
+    def _is_narrow(self, a: float, b: float, is_one: bool) -> bool:
+        """Return whether a step is halved no more; is_one: from the one equilibrium, not from one of many."""
+        return self._is_near(a, b, NARROW) if is_one else abs(b - a) <= LEAST_VALUE * self.span
+
+    def _is_near(self, a: float, b: float, share: float) -> bool:
+        return abs(b - a) <= share * max(abs(a), abs(b), LEAST_VALUE * self.span)
 
     def _is_followed(self, a: PathPoint, b: PathPoint) -> bool:
         """Return whether a step moves the shape about as far as is predicted, there and back.
 
         Where an equilibrium has hardly any stiffness left, any motion is predicted, but not back from where
-        it fell.
+        it fell; and what fell may by chance lie where it is predicted, but not back.
         """
-        steps = (self.predicted(a, b.value), a.shape), (self.predicted(b, a.value), b.shape)
-        motions = [largest_move(there, here) for there, here in steps if there is not None]
-        jump = self.jump(a, b)
-        return jump is None or jump <= max(SMALL, SHARE * min(motions) / self.size)
+        steps = [(self.predicted(a, b.value), a, b), (self.predicted(b, a.value), b, a)]
+        moves = [
+            (self._off(there, end), largest_move(there, start.shape) / self.size)
+            for there, start, end in steps
+            if there is not None
+        ]
+        jumps, motions = zip(*moves, strict=True) if moves else ((0.0,), (1.0,))
+        return max(jumps) <= max(SMALL, SHARE * min(*motions, 1.0))
 
     def jump(self, a: PathPoint, b: PathPoint) -> float | None:
         """Return the largest distance of a node from where it is predicted, over the structure's size."""
         there = self.predicted(a, b.value)
-        if there is None:
-            return None
-        return largest_move(laid_over(b.shape, there, self.alignment), there) / self.size
+        return None if there is None else self._off(there, b)
+
+    def _off(self, there: np.ndarray, end: PathPoint) -> float:
+        return largest_move(laid_over(end.shape, there, self.alignment), there) / self.size
 
     def predicted(self, a: PathPoint, value: float) -> np.ndarray | None:
         """Return the shape, (n, d), that the tangent stiffness at a point predicts at another value.
@@ -191,6 +209,8 @@ def followed(plan: Sweep) -> Path:
     """Return a path from its beginning; raises OptionError where a sweep is none."""
     if len(plan.axes) != 1 or plan.order != "grid":
         raise OptionError("a path follows one swept number, through all its values in their order")
+    if plan.options.analysis == "never":
+        raise OptionError("what a path loses shows in the stability of its shapes: not with analysis never")
     (axis,), structure = plan.axes, from_scene(plan.scene)
     if axis.array == "coordinates" and structure.free[axis.place]:
         raise OptionError(f"{axis.key}: no path follows a start that is free to move")

@@ -28,7 +28,7 @@ def sweep(
 
 
 def _rows(plan: Sweep, jobs: int) -> Iterator[dict[str, Any]]:
-    for ended in done(plan.chunks(range(plan.rows)), plan.solved, processes=jobs):
+    for ended in done(plan.chunks(range(plan.rows)), plan.for_workers.solved, processes=jobs):
         if ended.is_interrupt:
             raise KeyboardInterrupt
         if ended.error is not None:

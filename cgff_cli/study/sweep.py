@@ -36,10 +36,11 @@ MOST_ROWS = Rule("how many rows", int, least=1, most=10**12)
 
 
 class Span(NamedTuple):
-    """Rows from first up to, not including, last: a job of the machine."""
+    """Rows from first up to, not including, last: a job of the machine; values: of theirs, (rows, axes)."""
 
     first: int
     last: int
+    values: np.ndarray | None = None
     digest: str = ""
 
 
@@ -75,7 +76,13 @@ class Sweep:
     def chunks(self, rows: range) -> Iterator[Span]:
         """Yield the chunks of some rows."""
         for first in range(rows.start, rows.stop, self.at_once):
-            yield Span(first, min(first + self.at_once, rows.stop))
+            last = min(first + self.at_once, rows.stop)
+            yield Span(first, last, self.values(first, last))
+
+    @property
+    def for_workers(self) -> "Sweep":
+        """The sweep without what may be millions of values: those of a chunk's rows come with the chunk."""
+        return replace(self, axes=tuple(axis._replace(values=axis.values[:0]) for axis in self.axes))
 
     def rows_of(self, shard: tuple[int, int]) -> range:
         """Return the numbers of the rows of a shard, (i, n), the first being (1, n): whole chunks."""
@@ -138,7 +145,7 @@ class Sweep:
 
     def solved(self, chunk: Span) -> SolvedRows:
         """Return the rows of a chunk, each from the scene's own start."""
-        values = self.values(chunk.first, chunk.last)
+        values = self.values(chunk.first, chunk.last) if chunk.values is None else chunk.values
         arrays, structure = self.arrays(values), from_scene(self.scene)
         good = self.may_be(arrays, len(values))
         arrays = {name: array[good] for name, array in arrays.items()}

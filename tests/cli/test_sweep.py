@@ -12,6 +12,7 @@ from time import monotonic, sleep
 import pytest
 
 import cgff_cli
+from cgff_cli.report.rows_file import RowsFile, RowsStream
 from cgff_cli.study.path import followed
 from cgff_cli.study.sweep import planned
 from tests.cli.conftest import STRUCTURES, Run
@@ -216,6 +217,80 @@ def test_a_path_tells_where_an_equilibrium_is_lost_and_goes_on_where_it_was_kill
         os.unlink("rows.csv")
         assert run(*flags, "-o", "rows.csv", "--resume").exit_code == 0
         assert Path("rows.csv").read_bytes() == expected
+
+
+def test_a_path_on_a_full_disk_goes_on_from_the_last_row_that_is_there(tmp_path: Path):
+    (tmp_path / "truss.yaml").write_text(TRUSS)
+    flags = ["sweep", "truss.yaml", "--set", "loads.b.y=0:-1:101", "--follow"]
+    command = [*CGFF, *flags, "-o", "rows.csv", "--resume"]
+    limited = ["bash", "-c", f"ulimit -f 5; trap '' XFSZ; exec {' '.join(command)}"]
+    full = subprocess.run(limited, env=ENVIRONMENT, cwd=tmp_path, capture_output=True, text=True)
+    refused, done = full.stderr.splitlines()
+    assert (full.returncode, refused) == (1, "cgff: rows.csv.part: cannot be written: File too large")
+    assert done.endswith(" of 101 rows done; --resume goes on from there")
+    subprocess.run(command, env=ENVIRONMENT, cwd=tmp_path, check=True)
+    whole = subprocess.run([*CGFF, *flags], env=ENVIRONMENT, cwd=tmp_path, capture_output=True, check=True)
+    assert (tmp_path / "rows.csv").read_bytes() == whole.stdout
+
+
+def test_a_path_that_is_none_leaves_no_files(run: Run):
+    ended = run(*SMALL, "--follow", "-o", "rows.csv")
+    told = "cgff: a path follows one swept number, through all its values in their order\n"
+    assert (ended.exit_code, ended.stderr) == (2, told)
+    assert sorted(path.name for path in Path().iterdir()) == ["bracket.yaml", "prism.yaml"]
+
+
+@pytest.mark.parametrize("text", ["", '{"rows_done": 3', "[1]"])
+def test_a_sidecar_cut_short_is_told_and_overcome_without_resume(run: Run, text: str):
+    run(*SMALL, "-o", "rows.csv")
+    expected = Path("rows.csv").read_bytes()
+    Path("rows.csv.sweep.json").write_text(text)
+    ended = run(*SMALL, "-o", "rows.csv", "--resume")
+    assert ended.exit_code == 1
+    assert ended.stderr.endswith(
+        "is not what a sweep leaves beside its rows; without --resume all begins anew\n"
+    )
+    assert run(*SMALL, "-o", "rows.csv").exit_code == 0
+    assert Path("rows.csv").read_bytes() == expected
+
+
+def test_who_reads_only_the_head_is_told_nothing(tmp_path: Path):
+    command = f"{' '.join(CGFF)} sweep {PRISM} {' '.join(LARGE)} | head -1; exit ${{PIPESTATUS[0]}}"
+    ended = subprocess.run(["bash", "-c", command], env=ENVIRONMENT, capture_output=True, text=True)
+    assert (ended.returncode, ended.stderr) == (141, "")
+    assert ended.stdout.startswith("struts.EA,verticals.rest_length,verdict")
+
+
+def test_a_worker_that_was_killed_is_told_in_words(tmp_path: Path):
+    command = [*CGFF, "sweep", PRISM, *LARGE, "--set", "triangles.EA=1:2:40", "--jobs", "2", "-o", "a.csv"]
+    running = subprocess.Popen(command, env=ENVIRONMENT, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+    until, workers = monotonic() + 20.0, []
+    while len(workers) < 3 and monotonic() < until:  # one more keeps track of them
+        sleep(0.1)
+        workers = Path(f"/proc/{running.pid}/task/{running.pid}/children").read_text().split()
+    os.kill(int(workers[-1]), signal.SIGKILL)
+    told = running.communicate()[1].splitlines()
+    assert running.returncode == 1
+    assert told[0] == "cgff: a worker process was killed, maybe for want of memory"
+    assert told[1].endswith("--resume goes on from there")
+
+
+def test_what_comes_after_the_end_belongs_to_the_next_run(tmp_path: Path):
+    path, told = str(tmp_path / "rows.csv"), {"digest": "x"}
+    with RowsFile(path, 1, told, False) as first:
+        first.add("1\n", rows_done=1)
+        first.finish()
+        with RowsFile(path, 1, told, False):
+            pass
+        before = (tmp_path / "rows.csv.sweep.json").read_text()
+    assert json.loads(before)["rows_done"] == 0
+    assert (tmp_path / "rows.csv.sweep.json").read_text() == before
+
+
+def test_rows_reach_who_reads_them_as_they_come(tmp_path: Path):
+    with (tmp_path / "rows").open("w") as out:
+        RowsStream(out).add("1,2\n", rows_done=1)
+        assert (tmp_path / "rows").read_text() == "1,2\n"
 
 
 @pytest.mark.parametrize("flags", [("--jobs", "2"), ("--shard", "1/2"), ("--dask", "tcp://localhost:1")])

@@ -1,5 +1,6 @@
 """A path: what is lost, what only branches off, what is the same as separate solves; against closed forms."""
 
+import json
 from itertools import pairwise
 
 import numpy as np
@@ -42,7 +43,7 @@ def path(scene: str, key: str, values: str, **asked: object) -> Path:
     return followed(planned(cgff_cli.loads(scene), set={key: values}, **asked))
 
 
-@pytest.mark.parametrize("values", ["0:-6:13", "0:-3.9:2", "0:-6:4", "0:-300:2", "-3:-4:2"])
+@pytest.mark.parametrize("values", ["0:-6:13", "0:-3.9:2", "0:-6:4", "0:-300:2", "-3:-4:2", "0:-1000:2"])
 def test_a_truss_snaps_through_at_the_load_of_its_closed_form(values: str):
     stops = list(path(TRUSS, "loads.b.y", values, out=["node:b"]).stops())
     (lost,) = [value for stop in stops for value in stop.lost]
@@ -52,6 +53,91 @@ def test_a_truss_snaps_through_at_the_load_of_its_closed_form(values: str):
         assert force(y) == pytest.approx(load, abs=1e-6)
         assert (y > 0.0) == (load > SNAPS)
         assert (stop.row["lost"] is not None) == ((stop.row["jump"] or 0.0) > 0.1)
+
+
+@pytest.mark.parametrize("values", ["0:-5350:3", "0:-54:2"])
+def test_a_tall_truss_snaps_through_however_far_a_step_leads(values: str):
+    rest = float(np.hypot(1.0, 2.0))
+    tall = TRUSS.replace("0.5", "2").replace(repr(REST), repr(rest))
+
+    def pushed(y: float) -> float:
+        return 200.0 / rest * (np.hypot(1.0, y) - rest) * y / np.hypot(1.0, y)
+
+    snaps = minimize_scalar(pushed, bounds=(0.0, 2.0), method="bounded", options={"xatol": 1e-12}).fun
+    (lost,) = [value for stop in path(tall, "loads.b.y", values).stops() for value in stop.lost]
+    assert lost == pytest.approx(snaps, rel=1e-7)
+
+
+def test_what_falls_after_another_is_told_each_for_itself():
+    one = TRUSS.replace("supports: {", "supports: {P: xy, Q: xy, d: xy, f: xy, ").replace(
+        "c: [1, 0]}", "c: [1, 0], d: [4, 0], e: [5, 0.3], f: [6, 0], P: [0, -6], Q: [5, -6]}"
+    )
+    low = float(np.hypot(1.0, 0.3))
+    two = f"""  other: {{kind: strut, EA: 150, rest_length: {low!r}, pairs: [[d, e], [f, e]]}}
+  pull: {{kind: cable, EA: 5, rest_length: 6, pairs: [[b, P], [e, Q]]}}
+supports"""
+    scene = one.replace("elements: {bars", "elements:\n  bars").replace("}}\nsupports", "}\n" + two)
+
+    def fold(h: float, stiff: float) -> float:
+        rest = np.hypot(1.0, h)
+
+        def pulled(y: float) -> float:  # 5 (6 + y - l0) / l0 in the cable is what the bars bear
+            l = np.hypot(1.0, y)
+            return 5.0 * (6.0 + y) / (5.0 - 2.0 * stiff / rest * (l - rest) * y / l)
+
+        return float(minimize_scalar(pulled, bounds=(0.0, h), method="bounded", options={"xatol": 1e-12}).fun)
+
+    expected = sorted((fold(0.5, EA), fold(0.3, 150.0)), reverse=True)
+    for values in ("6.5:2:2", "6.5:2:12"):
+        stops = path(scene, "pull.rest_length", values).stops()
+        assert [value for stop in stops for value in stop.lost] == pytest.approx(expected, rel=1e-7)
+
+
+def test_a_small_snap_in_a_large_structure_is_seen_whatever_the_steps():
+    height, top = 100, 0.038108719  # of the snapping bars on rigid ground; the ladder gives way a little
+    rungs = range(height + 1)
+    nodes = {f"{side}{i}": [x, -i] for i in rungs for side, x in (("l", 0), ("r", 1))}
+    sides = [[f"{side}{i}", f"{side}{i + 1}"] for i in rungs[:-1] for side in "lr"]
+    steps = [[f"l{i}", f"r{i}"] for i in rungs[1:]]
+    crosses = [[f"{a}{i}", f"{b}{i + 1}"] for i in rungs[:-1] for a, b in ("lr", "rl")]
+    bar = {"kind": "strut", "EA": 1e4}
+    elements = {
+        "frame": bar | {"rest_length": 1.0, "pairs": sides + steps},
+        "crosses": bar | {"rest_length": float(np.sqrt(2.0)), "pairs": crosses},
+        "snap": {
+            "kind": "strut",
+            "EA": 100.0,
+            "rest_length": float(np.hypot(0.5, 0.05)),
+            "pairs": [[f"l{height}", "t"], [f"r{height}", "t"]],
+        },
+    }
+    scene = {
+        "law": "hooke",
+        "nodes": nodes | {"t": [0.5, -height - 0.05]},
+        "elements": elements,
+        "supports": {"l0": "xy", "r0": "xy"},
+    }
+    for values in ([0.0, 3.0 * top], [0.0, 0.5 * top, top, 1.5 * top]):
+        stops = followed(planned(cgff_cli.loads(json.dumps(scene)), set={"loads.t.y": values})).stops()
+        (lost,) = [value for stop in stops for value in stop.lost]
+        assert lost == pytest.approx(0.03776814838, rel=1e-7)
+
+
+@pytest.mark.parametrize("values", ["0:-1:5", "0:-1:2"])
+def test_cables_that_hang_slack_until_they_are_loaded_lose_nothing(values: str):
+    slack = TRUSS.replace("strut", "cable").replace(repr(REST), "1.2")
+    stops = list(path(slack, "loads.b.y", values, out=["node:b"]).stops())
+    assert [stop.lost for stop in stops] == [()] * len(stops)
+    y = stops[-1].row["node:b.y"]
+    l = np.hypot(1.0, y)
+    assert 2.0 * EA / 1.2 * (l - 1.2) * y / l == pytest.approx(-1.0)
+
+
+@pytest.mark.parametrize("values", ["1:-0.9:2", "1:-0.37:7"])
+def test_cables_that_flop_over_where_nothing_loads_them_are_lost_once(values: str):
+    slack = TRUSS.replace("strut", "cable").replace(repr(REST), "1.2")
+    (lost,) = [value for stop in path(slack, "loads.b.y", values).stops() for value in stop.lost]
+    assert lost == pytest.approx(0.0, abs=1e-9)
 
 
 def test_the_way_back_is_another_one():
@@ -111,6 +197,10 @@ def test_a_row_that_does_not_converge_says_so_and_the_path_goes_on_from_the_last
         (
             {"set": {"loads.b.y": "0:1"}, "random": 5},
             "a path follows one swept number, through all its values in their order",
+        ),
+        (
+            {"set": {"loads.b.y": "0:1:3"}, "analysis": "never"},
+            "what a path loses shows in the stability of its shapes: not with analysis never",
         ),
         ({"set": {"nodes.b.y": "0:1:3"}}, "nodes.b.y: no path follows a start that is free to move"),
     ],

@@ -1,5 +1,6 @@
 """A sweep: rows that stand for solves, in the order of the grid, whatever the chunks."""
 
+import pickle
 from collections.abc import Callable
 from dataclasses import replace
 from math import sqrt
@@ -120,6 +121,13 @@ def test_rows_do_not_depend_on_their_chunks_or_on_processes(prism: Scene):
     assert whole == {name: halves[0][name] + halves[1][name] for name in whole}
 
 
+def test_a_worker_is_handed_the_values_of_its_own_rows_alone(prism: Scene):
+    plan = planned(prism, set={"struts.EA": "10:1000:100000"}, out=["height"])
+    *_, last = chunks = list(plan.chunks(range(98000, 99500)))
+    assert [len(pickle.dumps((plan.for_workers.solved, chunk))) < 30000 for chunk in chunks] == [True] * 2
+    assert plan.for_workers.solved(last) == plan.solved(Span(99000, 99500))
+
+
 def test_shards_are_whole_chunks_that_follow_each_other(pair: Scene):
     plan = planned(pair, set={"left.EA": "1:2:10500"})
     rows = [plan.rows_of((i, 4)) for i in range(1, 5)]
@@ -181,6 +189,7 @@ def test_elements_without_rest_length_have_no_strain_to_tell():
             {"set": {"left.EA": "log:-1:2:3"}},
             "left.EA=log:-1:2:3: both ends of a range must be > 0 where it is logarithmic",
         ),
+        ({"set": {"loads.b.y": "-1e308:1e308:3"}}, "loads.b.y: y must be a finite number, got nan"),
         ({"set": {"left.EA": [1, "x"]}}, "left.EA: values must be numbers, got [1, 'x']"),
         ({"set": {"left.EA": "1"}, "scale": {"left.EA": "1"}}, "left.EA is both set and scaled"),
         (
