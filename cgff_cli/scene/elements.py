@@ -13,7 +13,7 @@ from cgff_cli.scene.keys import check_keys, is_own
 from cgff_cli.scene.laws import limit_of, rest_lengths_for
 from cgff_cli.scene.nodes import Nodes
 from cgff_cli.scene.scene import KINDS, Group
-from cgff_cli.values import Rule
+from cgff_cli.values import Rule, short
 
 if TYPE_CHECKING:
     from cgff_cli.scene.tables import Table
@@ -69,7 +69,8 @@ def _group(
         return None
     optional = _LENGTHS if is_geometry or "pretension" in values else _LENGTHS[1:]
     required = [key for key in GROUP_KEYS if key not in (*optional, "weight")]
-    check_keys(findings, where, values, GROUP_KEYS, dict.fromkeys(required, ""))
+    said = {"rest_length": ", or 'pretension' in its place"}
+    check_keys(findings, where, values, GROUP_KEYS, {key: said.get(key, "") for key in required})
     kind = count = pairs = None
     if "kind" in values:
         kind = fields.one_of(findings, (*where, "kind"), values["kind"], KINDS, "cable or strut")
@@ -77,22 +78,33 @@ def _group(
         count, pairs = _pairs(findings, (*where, "pairs"), values["pairs"], nodes)
     columns = {
         key: _column(findings, (*where, key), values[key], count, rule)
-        for key, rule in rules(law, kind).items()
+        for key, rule in rules(law).items()
         if key in values
     }
     if all(key in values for key in _LENGTHS):
         findings.add_key((*where, "pretension"), "a group has rest_length or pretension, not both")
         return None
-    if kind is None or pairs is None or (not is_geometry and not any(key in columns for key in _LENGTHS)):
-        return None
-    at = (*where, "pretension")
+    at, one_each = (*where, "pretension"), isinstance(values.get("pretension"), list)
 
     def tell(row: int, message: str) -> None:
-        findings.add((*at, row) if isinstance(values["pretension"], list) else at, message, alike=at)
+        findings.add((*at, row) if one_each else at, message)
 
+    t = columns.get("pretension")
+    if t is not None and _check_pull(t if one_each else t[:1], kind == "cable", tell):
+        return None
+    if kind is None or pairs is None or (not is_geometry and not any(key in columns for key in _LENGTHS)):
+        return None
     own = {key: entry for key, entry in values.items() if is_own(key)}
-    read = _completed(columns, pairs, nodes, law, tell)
+    read = _completed(columns, pairs, nodes, law, tell, not one_each)
     return None if read is None else Group(str(where[-1]), kind, pairs, own=own, **read)
+
+
+def _check_pull(t: np.ndarray, is_cable: np.ndarray | bool, tell: Callable[[int, str], None]) -> bool:
+    """Record pretensions with which cables would push, and return whether there is any."""
+    wrong = np.flatnonzero((t < 0.0) & is_cable).tolist()
+    for row in wrong:
+        tell(row, f"must be >= 0 for a cable, got {t[row]:g}")
+    return bool(wrong)
 
 
 def _completed(
@@ -101,8 +113,12 @@ def _completed(
     nodes: Nodes | None,
     law: str | None,
     tell: Callable[[int, str], None],
+    is_one: bool = False,
 ) -> dict[str, Any] | None:
-    """Return the numbers of elements with their rest lengths, NaN in a geometry; None where any is wrong."""
+    """Return the numbers of elements with their rest lengths, NaN in a geometry; None where any is wrong.
+
+    is_one: one pretension stands for all, and is wrong once
+    """
     read = {key: column for key, column in columns.items() if column is not None}
     if len(read) < len(columns) or "EA" not in read:
         return None
@@ -113,14 +129,20 @@ def _completed(
         return None
     X = nodes.coordinates
     l = np.linalg.norm(X[pairs[:, 0]] - X[pairs[:, 1]], axis=1)
-    rest = rest_lengths_for(law, l, t, read["EA"])
-    wrong = np.flatnonzero(~(rest >= LEAST_SIZE)).tolist()
-    names = list(nodes.rows) if wrong else []
-    for row in wrong:
+    EA = read["EA"]
+    rest = rest_lengths_for(law, l, t, EA)
+    wrong = np.flatnonzero(~((rest >= LEAST_SIZE) & (rest <= HUGE)))
+    wrong = wrong[np.argsort((l * EA if law == "paper" else np.sign(l) * EA)[wrong], kind="stable")]
+    names = list(nodes.rows) if len(wrong) else []
+    for row in wrong[: 1 if is_one else None].tolist():  # the least limit comes first
         ends = " and ".join(quoted(names[end]) for end in pairs[row].tolist())
-        limit = f"it must be {limit_of(law, l[row], read['EA'][row])}" if l[row] else "it has no length"
-        tell(row, f"no rest length above 0 gives {ends} a force of {t[row]:g} at the start: {limit}")
-    return None if wrong else {**read, "rest_length": rest}
+        if rest[row] > HUGE:
+            span, limit = f"up to {short(HUGE)}", ""
+        else:
+            span = "above 0"
+            limit = f": it must be {limit_of(law, l[row], EA[row])}" if l[row] else ": it has no length"
+        tell(row, f"no rest length {span} gives {ends} a force of {t[row]:g} at the start{limit}")
+    return None if len(wrong) else {**read, "rest_length": rest}
 
 
 def _column(
@@ -178,8 +200,7 @@ def groups_of_table(table: "Table", nodes: Nodes | None, law: str | None) -> lis
         table.add(-1, table.header.index("pretension"), message)
     t = numbers.get("pretension")
     if t is not None:
-        for row in np.flatnonzero((t < 0.0) & (np.array(kinds.values) == "cable")).tolist():
-            columns["pretension"].add(row, f"must be >= 0 for a cable, got {t[row]:g}")
+        _check_pull(t, np.array(kinds.values) == "cable", columns["pretension"].add)
     if pairs is None or not table.findings.none:
         return None
     tell = columns["pretension"].add if "pretension" in columns else lambda row, message: None

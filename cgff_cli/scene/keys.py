@@ -17,7 +17,7 @@ _OTHER_WORDS = {
     "EA": ("young", "youngs_modulus", "modulus", "area", "stiffness", "axial_stiffness"),
     "rest_length": ("l0", "length", "lengths", "rest", "free_length", "unstressed_length"),
     "pretension": ("prestress", "tension"),
-    "weight": ("self_weight", "dead_load", "mass"),
+    "weight": ("self_weight", "dead_load"),
     "load_cases": ("cases", "loadcases"),
     "combinations": ("combos", "load_combinations"),
     "gravity": ("g",),
@@ -44,12 +44,16 @@ def check_keys(
     """
     required, gone = required or {}, lost(values)
     values = {key: value for key, value in values.items() if not is_own(key)}
+    nearly = [key for key in values if is_own(key.lower().replace("_", "-")) and key not in allowed]
+    for key in nearly:
+        findings.add_key((*where, key), f"unknown key {quoted(key)}; did you mean {quoted('x-' + key[2:])}?")
+        del values[key]
     faults, missing = key_faults(values, allowed, required)
     for key, message in faults.items():
         findings.add_key((*where, key), message)
     for key in missing if len(missing) > gone else ():
         findings.add(where, f"missing key {key!r}{required[key]}", at_key=True)
-    return not faults and not missing and not gone
+    return not faults and not missing and not gone and not nearly
 
 
 def is_own(key: str) -> bool:
