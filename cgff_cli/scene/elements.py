@@ -10,10 +10,10 @@ from cgff_cli.scene import fields
 from cgff_cli.scene.fields import HUGE, LEAST_SIZE, CellColumn, found
 from cgff_cli.scene.findings import Findings, Where, quoted
 from cgff_cli.scene.keys import check_keys, is_own
-from cgff_cli.scene.laws import limit_of, rest_lengths_for
+from cgff_cli.scene.laws import check_pull, checked_rest_lengths
 from cgff_cli.scene.nodes import Nodes
 from cgff_cli.scene.scene import KINDS, Group
-from cgff_cli.values import Rule, short
+from cgff_cli.values import Rule
 
 if TYPE_CHECKING:
     from cgff_cli.scene.tables import Table
@@ -90,21 +90,13 @@ def _group(
         findings.add((*at, row) if one_each else at, message)
 
     t = columns.get("pretension")
-    if t is not None and _check_pull(t if one_each else t[:1], kind == "cable", tell):
+    if t is not None and check_pull(t if one_each else t[:1], kind == "cable", tell):
         return None
     if kind is None or pairs is None or (not is_geometry and not any(key in columns for key in _LENGTHS)):
         return None
     own = {key: entry for key, entry in values.items() if is_own(key)}
     read = _completed(columns, pairs, nodes, law, tell, not one_each)
     return None if read is None else Group(str(where[-1]), kind, pairs, own=own, **read)
-
-
-def _check_pull(t: np.ndarray, is_cable: np.ndarray | bool, tell: Callable[[int, str], None]) -> bool:
-    """Record pretensions with which cables would push, and return whether there is any."""
-    wrong = np.flatnonzero((t < 0.0) & is_cable).tolist()
-    for row in wrong:
-        tell(row, f"must be >= 0 for a cable, got {t[row]:g}")
-    return bool(wrong)
 
 
 def _completed(
@@ -129,20 +121,14 @@ def _completed(
         return None
     X = nodes.coordinates
     l = np.linalg.norm(X[pairs[:, 0]] - X[pairs[:, 1]], axis=1)
-    EA = read["EA"]
-    rest = rest_lengths_for(law, l, t, EA)
-    wrong = np.flatnonzero(~((rest >= LEAST_SIZE) & (rest <= HUGE)))
-    wrong = wrong[np.argsort((l * EA if law == "paper" else np.sign(l) * EA)[wrong], kind="stable")]
-    names = list(nodes.rows) if len(wrong) else []
-    for row in wrong[: 1 if is_one else None].tolist():  # the least limit comes first
+    names = list(nodes.rows)
+
+    def told(row: int, message: str) -> None:
         ends = " and ".join(quoted(names[end]) for end in pairs[row].tolist())
-        if rest[row] > HUGE:
-            span, limit = f"up to {short(HUGE)}", ""
-        else:
-            span = "above 0"
-            limit = f": it must be {limit_of(law, l[row], EA[row])}" if l[row] else ": it has no length"
-        tell(row, f"no rest length {span} gives {ends} a force of {t[row]:g} at the start{limit}")
-    return None if len(wrong) else {**read, "rest_length": rest}
+        tell(row, message.format(ends))
+
+    rest = checked_rest_lengths(law, l, t, read["EA"], told, is_one)
+    return None if rest is None else {**read, "rest_length": rest}
 
 
 def _column(
@@ -200,7 +186,7 @@ def groups_of_table(table: "Table", nodes: Nodes | None, law: str | None) -> lis
         table.add(-1, table.header.index("pretension"), message)
     t = numbers.get("pretension")
     if t is not None:
-        _check_pull(t, np.array(kinds.values) == "cable", columns["pretension"].add)
+        check_pull(t, np.array(kinds.values) == "cable", columns["pretension"].add)
     if pairs is None or not table.findings.none:
         return None
     tell = columns["pretension"].add if "pretension" in columns else lambda row, message: None
