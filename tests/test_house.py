@@ -12,8 +12,8 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 1817,
-    "analysis": 2201,
+    "top": 1808,
+    "analysis": 2262,
     "cli": 2658,
     "mechanics": 966,
     "report": 1896,
