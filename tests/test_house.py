@@ -18,7 +18,7 @@ BUDGET = {
     "mechanics": 966,
     "report": 1896,
     "rivals": 694,
-    "scene": 4511,
+    "scene": 4526,
     "solvers": 2421,
     "study": 2964,
 }

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cgff_cli.scene import fields
-from cgff_cli.scene.fields import HUGE, LEAST_SIZE, CellColumn, found
+from cgff_cli.scene.fields import CellColumn, found
 from cgff_cli.scene.findings import Findings, Where, quoted
 from cgff_cli.scene.keys import check_keys, is_own
-from cgff_cli.scene.laws import check_pull, checked_rest_lengths
+from cgff_cli.scene.laws import check_pull, checked_rest_lengths, rules
 from cgff_cli.scene.nodes import Nodes
 from cgff_cli.scene.scene import KINDS, Group
 from cgff_cli.values import Rule
@@ -22,15 +22,6 @@ GROUP_KEYS = ("kind", "EA", "rest_length", "pretension", "weight", "pairs")
 _LENGTHS = ("rest_length", "pretension")
 """A group has one of these, in a geometry none."""
 _PAIRS = "a list of node pairs such as [[a, b], [b, c]]"
-_POSITIVE = Rule(positive=True, smallest=LEAST_SIZE, largest=HUGE)
-
-
-def rules(law: str | None, kind: str | None = None) -> dict[str, Rule]:
-    """Return what numbers of elements may be; law `hooke` divides by the rest length, cables cannot push."""
-    not_negative = Rule(least=0.0, smallest=LEAST_SIZE, largest=HUGE)
-    force = not_negative if kind == "cable" else Rule(smallest=LEAST_SIZE, largest=HUGE)
-    length = _POSITIVE if law == "hooke" else not_negative
-    return {"EA": _POSITIVE, "rest_length": length, "pretension": force, "weight": not_negative}
 
 
 def read_elements(

@@ -1,14 +1,24 @@
-"""The two elastic laws, the other way round: which rest length gives a force at a length."""
+"""The two elastic laws: what numbers of elements may be, and which rest length gives a force at a length."""
 
 from collections.abc import Callable
 
 import numpy as np
 
 from cgff_cli.scene.fields import HUGE, LEAST_SIZE
-from cgff_cli.values import short
+from cgff_cli.values import Rule, short
 
 Tell = Callable[[int, str], None]
 """Takes the row of an element and what is wrong with it, {} in place of its ends."""
+
+_POSITIVE = Rule(positive=True, smallest=LEAST_SIZE, largest=HUGE)
+
+
+def rules(law: str | None, kind: str | None = None) -> dict[str, Rule]:
+    """Return what numbers of elements may be; law `hooke` divides by the rest length, cables cannot push."""
+    not_negative = Rule(least=0.0, smallest=LEAST_SIZE, largest=HUGE)
+    force = not_negative if kind == "cable" else Rule(smallest=LEAST_SIZE, largest=HUGE)
+    length = _POSITIVE if law == "hooke" else not_negative
+    return {"EA": _POSITIVE, "rest_length": length, "pretension": force, "weight": not_negative}
 
 
 def rest_lengths_for(law: str, l: np.ndarray, t: np.ndarray, EA: np.ndarray) -> np.ndarray:
