@@ -41,7 +41,8 @@ def geometry(
 
 def bare(scene: Scene) -> Scene:
     """Return a scene without its rest lengths."""
-    return scene.with_rest_lengths(np.full(scene.element_count, np.nan))
+    groups = (replace(group, rest_length=np.full_like(group.EA, np.nan)) for group in scene.groups)
+    return replace(scene, groups=tuple(groups))
 
 
 def swapped(scene: Scene) -> Scene:
