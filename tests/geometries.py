@@ -41,8 +41,7 @@ def geometry(
 
 def bare(scene: Scene) -> Scene:
     """Return a scene without its rest lengths."""
-    groups = (replace(group, rest_length=np.full_like(group.EA, np.nan)) for group in scene.groups)
-    return replace(scene, groups=tuple(groups))
+    return scene.with_rest_lengths(np.full(scene.element_count, np.nan))
 
 
 def swapped(scene: Scene) -> Scene:

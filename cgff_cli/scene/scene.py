@@ -205,7 +205,10 @@ class Scene:
         return tuple(found.tolist())
 
     def with_rest_lengths(self, rest_lengths: np.ndarray) -> "Scene":
-        """Return the same scene with other rest lengths, (b,) in its element order, or OptionError."""
+        """Return the same scene with other rest lengths, (b,) in its element order, or OptionError.
+
+        A geometry where all are NaN.
+        """
         return self._with_elements("rest_length", "rest_lengths", rest_lengths)
 
     def with_weights(self, weights: np.ndarray) -> "Scene":
@@ -222,7 +225,8 @@ class Scene:
             raise OptionError(f"{called} must be an array of numbers")
         if numbers.shape != (self.element_count,):
             raise OptionError(f"{called} must have the shape ({self.element_count},), got {numbers.shape}")
-        for row in np.flatnonzero(~rule.fits(numbers))[:1].tolist():
+        is_geometry = column == "rest_length" and np.isnan(numbers).all()
+        for row in np.flatnonzero(~rule.fits(numbers))[: 0 if is_geometry else 1].tolist():
             raise OptionError(f"{called} must be finite numbers {rule.range}, got {numbers[row]:g}")
         ends = np.cumsum([len(group.EA) for group in self.groups])[:-1]
         own = zip(self.groups, np.split(numbers, ends), strict=True)

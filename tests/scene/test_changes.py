@@ -91,6 +91,12 @@ def test_other_rest_lengths_are_those_of_a_scene_without_pretension():
         assert own.weights.tolist() == SCENE.weights.tolist()
 
 
+def test_without_any_rest_length_a_scene_is_a_geometry():
+    assert SCENE.with_rest_lengths([np.nan] * 3).is_geometry
+    with pytest.raises(cgff_cli.OptionError, match=r"^rest_lengths must be finite numbers > 0, got nan$"):
+        SCENE.with_rest_lengths([1.0, np.nan, 1.0])
+
+
 @pytest.mark.parametrize(
     ("change", "told"),
     [
