@@ -18,7 +18,7 @@ BUDGET = {
     "mechanics": 966,
     "report": 1896,
     "rivals": 694,
-    "scene": 4530,
+    "scene": 4537,
     "solvers": 2421,
     "study": 2964,
 }

@@ -107,7 +107,7 @@ def _completed(
         return None
     t = read.get("pretension")
     if t is None:
-        return {"rest_length": np.full_like(read["EA"], np.nan), **read}
+        return read if "rest_length" in read else {"rest_length": np.full_like(read["EA"], np.nan), **read}
     if nodes is None or nodes.coordinates is None or law is None:
         return None
     X = nodes.coordinates

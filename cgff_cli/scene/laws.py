@@ -1,6 +1,7 @@
 """The two elastic laws: what numbers of elements may be, and which rest length gives a force at a length."""
 
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 
@@ -13,6 +14,7 @@ Tell = Callable[[int, str], None]
 _POSITIVE = Rule(positive=True, smallest=LEAST_SIZE, largest=HUGE)
 
 
+@cache
 def rules(law: str | None, kind: str | None = None) -> dict[str, Rule]:
     """Return what numbers of elements may be; law `hooke` divides by the rest length, cables cannot push."""
     not_negative = Rule(least=0.0, smallest=LEAST_SIZE, largest=HUGE)

@@ -48,9 +48,11 @@ def check_weight(
 ) -> None:
     """Record every part whose weight nothing holds, along any of the axes that gravity has a share in."""
     heavy = [group.pairs[group.weight != 0.0, 0] for group in groups if group.weight is not None]
-    parts = set(labels[np.concatenate(heavy)].tolist()) if heavy else set()
+    if not heavy:
+        return
+    parts = set(labels[np.concatenate(heavy)].tolist())
     down = np.abs(gravity) > ROUNDING * np.abs(gravity).max()
-    for axis in (AXES[i] for i in np.flatnonzero(down).tolist()) if parts else ():
+    for axis in (AXES[i] for i in np.flatnonzero(down).tolist()):
         held = {int(labels[row]) for row, axes in supports.items() if axis in axes}
         for part in sorted(parts - held):
             members = [names[row] for row in np.flatnonzero(labels == part)]
