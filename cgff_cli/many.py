@@ -9,7 +9,7 @@ from cgff_cli.errors import OptionError
 from cgff_cli.mechanics.connectivity import DENSE_ENTRIES
 from cgff_cli.options import DEFAULTS, SolveOptions
 from cgff_cli.pipeline import METHODS
-from cgff_cli.scene.elements import rules
+from cgff_cli.scene.laws import rules
 from cgff_cli.scene.nodes import ANY_SIZE
 from cgff_cli.scene.physics import ROUNDING, all_pairs, component_labels
 from cgff_cli.scene.scene import AXES, Scene

@@ -12,7 +12,7 @@ from cgff_cli.result import Result
 from cgff_cli.scene.findings import first_few, quoted
 from cgff_cli.scene.scene import Scene
 
-UNSURE = ("undecided", "inexact", "blurred")
+UNSURE = ("undecided", "inexact", "blurred", "weight")
 """Why an answer may lack a self-stress without proof that there is none."""
 
 EXTREME = "scale or shape may be too extreme for double precision"
@@ -33,6 +33,8 @@ def refusal(scene: Scene, answer: Answer, asked: Mapping[str, Any]) -> str:
         "rest_length": _rest_length(scene, answer),
         "force": _force(answer, asked),
         "inexact": _inexact(answer, asked),
+        "weight": "rest lengths decide the weight, and none were found whose own this shape bears: it is not "
+        "proven that there are none; a shape that `cgff solve` finds with it, no cable slack, has some",
         "blurred": "rounding decides: some rest lengths are so near the lengths that double precision does "
         "not hold these forces; raise the force, or lower EA",
         "undecided": _undecided(asked["tolerance"] > LEAST_TOLERANCE),

@@ -1,6 +1,6 @@
 """`prestress`: a geometry in, its self-stress, rest lengths, and a scene that they hold out."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -9,6 +9,7 @@ import numpy as np
 from cgff_cli import TOOL, pipeline
 from cgff_cli.analysis import measures
 from cgff_cli.analysis.equilibrium import labels
+from cgff_cli.analysis.heavy import SAME_LENGTH, heavy
 from cgff_cli.analysis.orbits import ALIKE, orbits
 from cgff_cli.analysis.prestress import Answer, Question, prestressed
 from cgff_cli.analysis.ranks import LEAST_TOLERANCE
@@ -24,8 +25,6 @@ from cgff_cli.values import Rule
 
 TOLERABLE = Rule(kind=float, positive=True, below=1.0)
 FORCE = Rule(kind=float, largest=1e30)
-
-_ALIKE = 1e-14  # rest lengths of a group this near, relatively, are one and its rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,24 +106,14 @@ def prestress(
     EA = scene.axial_stiffness
     shared = (classes, equal == "force", members, value, asked["tolerance"])
     answer = prestressed(Question(structure, EA, scene.law, *shared))
-    if scene.weights is not None:
-        answer = _heavy(
-            scene, structure, answer, lambda own: prestressed(Question(own, EA, scene.law, *shared))
+    if scene.weights is not None and scene.weights.any():
+        question, weights, down = Question(structure, EA, scene.law, *shared), scene.weights, scene.down
+        answer = heavy(
+            question,
+            lambda l0: loads_of(scene) + weight_at_nodes(structure, weights * l0, down),
+            answer,
         )
     return _told(scene, asked, answer)
-
-
-def _heavy(
-    scene: Scene, structure: Structure, answer: Answer, asked: Callable[[Structure], Answer]
-) -> Answer:
-    """Return the answer to the weight of its own rest lengths; answer: to that of lengths, asked: others."""
-    last, change, weights = np.inf, 1.0, scene.weights
-    while not answer.why and _ALIKE < change < last:
-        before, last = np.asarray(answer.rest_lengths), change
-        weight = weight_at_nodes(structure, weights * before, scene.down)
-        answer = asked(replace(structure, loads=loads_of(scene) + weight))
-        change = np.inf if answer.why else float(np.abs(answer.rest_lengths / before - 1.0).max())
-    return answer
 
 
 def _told(source: Scene, asked: dict[str, Any], answer: Answer) -> Prestressed:
@@ -247,4 +236,4 @@ def _at_rest(scene: Scene) -> Structure:
 def _evened(values: np.ndarray) -> np.ndarray:
     """Return the rest lengths of a group; those that differ by rounding alone are made equal."""
     middle = float(np.sort(values)[len(values) // 2])
-    return np.full_like(values, middle) if np.ptp(values) <= _ALIKE * middle else values
+    return np.full_like(values, middle) if np.ptp(values) <= SAME_LENGTH * middle else values

@@ -81,7 +81,7 @@ class Answer:
     why           : "" where feasible, else: no_state, no_group_state, no self-stress at all, or none of
                     shared values; signs, none of the right ones; loads, none that bears them; rest_length,
                     none above 0; force, no such greatest one under the loads; inexact, none but to the
-                    tolerance; blurred, undecided: rounding decides
+                    tolerance; weight, none found that bears its own; blurred, undecided: rounding decides
     states, group_states, mechanisms : counts, None where not told; group_states of shared values
     gap, softest  : least singular value kept over the greatest left out; the least of all
     never, idle   : bool      motion : (n, d), what proves who is to blame, or None

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cgff_cli.scene import fields, nodes
-from cgff_cli.scene.fields import CellColumn, found, is_absent
+from cgff_cli.scene.fields import CellColumn, Plain, found, is_absent
 from cgff_cli.scene.findings import Findings, Where, quoted
 from cgff_cli.scene.keys import lost
 from cgff_cli.scene.nodes import ANY_SIZE, Nodes
@@ -74,8 +74,8 @@ def read_supports(block: ActionBlock) -> dict[int, str] | None:
     wrong = False
     for row, held in enumerate(cells.values):
         if not isinstance(held, str) or not held or not set(held) <= set(axes) or len(set(held)) < len(held):
-            message = f"must be axes out of {axes}, each at most once, got {found(held)}"
-            cells.add(row, message, alike=(block.where, found(held)))
+            got = found(Plain(held) if cells.cells else held)
+            cells.add(row, f"must be axes out of {axes}, each at most once, got {got}", (block.where, got))
             wrong = True
     rows = block.rows(keys, lines)
     if rows is None or wrong:
@@ -103,7 +103,8 @@ def _loads_of_table(block: ActionBlock) -> Loads | None:
     axes = [axis for axis in AXES if axis in table.header]
     d = block.points.dimension if block.points else None
     if d is not None and len(axes) != d:
-        table.add(-1, 0, f"forces of this {d}-D scene need the columns {', '.join(AXES[:d])}")
+        wanted, got = (", ".join(own) for own in (AXES[:d], axes))
+        table.add(-1, 0, f"forces of this {d}-D scene need the columns {wanted}, got {got}")
         return None
     columns = [table.column(axis).numbers(ANY_SIZE) for axis in axes]
     good = [column for column in columns if column is not None]
@@ -143,23 +144,30 @@ def read_cases(block: ActionBlock) -> dict[str, Loads] | None:
     return good if len(good) == len(values) and not lost(values) else None
 
 
-def read_combinations(block: ActionBlock, cases: object) -> dict[str, dict[str, float]] | None:
-    """Return the combinations, name -> case or "dead" -> factor; cases: the block of load cases as given."""
+def read_combinations(block: ActionBlock, cases: object, known: bool) -> dict[str, dict[str, float]] | None:
+    """Return the combinations, name -> case or "dead" -> factor.
+
+    cases: the block of load cases as given; known: where it is absent, it is so under no other name
+    """
     content = "of names of combinations to factors"
     values = fields.optional(block.findings, block.where, block.value, content)
     if values is None:
         return None
     _check_names(block, values)
-    known = [DEAD, *(cases if isinstance(cases, dict) else ())]
+    names = list(cases) if isinstance(cases, dict) else []
+    parts = [DEAD, *names]
+    is_sure = not lost(cases) if isinstance(cases, dict) else known and is_absent(cases)
     combinations = {}
     for name, factors in values.items():
         where = (*block.where, name)
-        if isinstance(cases, dict) and name in cases:
+        if name in names:
             block.findings.add_key(where, f"{quoted(name)} is a load case already")
         own = fields.mapping(block.findings, where, factors, "of load cases to factors")
+        if own is not None and not own and not lost(own):
+            block.findings.add(where, "must hold at least one factor, got none")
         for case in own or ():
-            if case not in known:
-                hint = block.findings.hint(case, known) or f"; there are {', '.join(known)}"
+            if is_sure and case not in parts:
+                hint = block.findings.hint(case, parts) or f"; allowed: {', '.join(parts)}"
                 block.findings.add_key((*where, case), f"no load case is named {quoted(case)}{hint}")
         numbers = _numbers(block.inside(name, factors), own or {})
         if numbers is not None:

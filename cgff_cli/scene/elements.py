@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cgff_cli.scene import fields
-from cgff_cli.scene.fields import HUGE, LEAST_SIZE, CellColumn, found
+from cgff_cli.scene.fields import CellColumn, found
 from cgff_cli.scene.findings import Findings, Where, quoted
 from cgff_cli.scene.keys import check_keys, is_own
-from cgff_cli.scene.laws import limit_of, rest_lengths_for
+from cgff_cli.scene.laws import check_pull, checked_rest_lengths, rules
 from cgff_cli.scene.nodes import Nodes
 from cgff_cli.scene.scene import KINDS, Group
 from cgff_cli.values import Rule
@@ -22,15 +22,6 @@ GROUP_KEYS = ("kind", "EA", "rest_length", "pretension", "weight", "pairs")
 _LENGTHS = ("rest_length", "pretension")
 """A group has one of these, in a geometry none."""
 _PAIRS = "a list of node pairs such as [[a, b], [b, c]]"
-_POSITIVE = Rule(positive=True, smallest=LEAST_SIZE, largest=HUGE)
-
-
-def rules(law: str | None, kind: str | None = None) -> dict[str, Rule]:
-    """Return what numbers of elements may be; law `hooke` divides by the rest length, cables cannot push."""
-    not_negative = Rule(least=0.0, smallest=LEAST_SIZE, largest=HUGE)
-    force = not_negative if kind == "cable" else Rule(smallest=LEAST_SIZE, largest=HUGE)
-    length = _POSITIVE if law == "hooke" else not_negative
-    return {"EA": _POSITIVE, "rest_length": length, "pretension": force, "weight": not_negative}
 
 
 def read_elements(
@@ -69,7 +60,8 @@ def _group(
         return None
     optional = _LENGTHS if is_geometry or "pretension" in values else _LENGTHS[1:]
     required = [key for key in GROUP_KEYS if key not in (*optional, "weight")]
-    check_keys(findings, where, values, GROUP_KEYS, dict.fromkeys(required, ""))
+    said = {"rest_length": ", or 'pretension' in its place"}
+    check_keys(findings, where, values, GROUP_KEYS, {key: said.get(key, "") for key in required})
     kind = count = pairs = None
     if "kind" in values:
         kind = fields.one_of(findings, (*where, "kind"), values["kind"], KINDS, "cable or strut")
@@ -77,21 +69,24 @@ def _group(
         count, pairs = _pairs(findings, (*where, "pairs"), values["pairs"], nodes)
     columns = {
         key: _column(findings, (*where, key), values[key], count, rule)
-        for key, rule in rules(law, kind).items()
+        for key, rule in rules(law).items()
         if key in values
     }
     if all(key in values for key in _LENGTHS):
         findings.add_key((*where, "pretension"), "a group has rest_length or pretension, not both")
         return None
-    if kind is None or pairs is None or (not is_geometry and not any(key in columns for key in _LENGTHS)):
-        return None
-    at = (*where, "pretension")
+    at, one_each = (*where, "pretension"), isinstance(values.get("pretension"), list)
 
     def tell(row: int, message: str) -> None:
-        findings.add((*at, row) if isinstance(values["pretension"], list) else at, message, alike=at)
+        findings.add((*at, row) if one_each else at, message)
 
+    t = columns.get("pretension")
+    if t is not None and check_pull(t if one_each else t[:1], kind == "cable", tell):
+        return None
+    if kind is None or pairs is None or (not is_geometry and not any(key in columns for key in _LENGTHS)):
+        return None
     own = {key: entry for key, entry in values.items() if is_own(key)}
-    read = _completed(columns, pairs, nodes, law, tell)
+    read = _completed(columns, pairs, nodes, law, tell, not one_each)
     return None if read is None else Group(str(where[-1]), kind, pairs, own=own, **read)
 
 
@@ -101,26 +96,30 @@ def _completed(
     nodes: Nodes | None,
     law: str | None,
     tell: Callable[[int, str], None],
+    is_one: bool = False,
 ) -> dict[str, Any] | None:
-    """Return the numbers of elements with their rest lengths, NaN in a geometry; None where any is wrong."""
+    """Return the numbers of elements with their rest lengths, NaN in a geometry; None where any is wrong.
+
+    is_one: one pretension stands for all, and is wrong once
+    """
     read = {key: column for key, column in columns.items() if column is not None}
     if len(read) < len(columns) or "EA" not in read:
         return None
     t = read.get("pretension")
     if t is None:
-        return {"rest_length": np.full_like(read["EA"], np.nan), **read}
+        return read if "rest_length" in read else {"rest_length": np.full_like(read["EA"], np.nan), **read}
     if nodes is None or nodes.coordinates is None or law is None:
         return None
     X = nodes.coordinates
     l = np.linalg.norm(X[pairs[:, 0]] - X[pairs[:, 1]], axis=1)
-    rest = rest_lengths_for(law, l, t, read["EA"])
-    wrong = np.flatnonzero(~(rest >= LEAST_SIZE)).tolist()
-    names = list(nodes.rows) if wrong else []
-    for row in wrong:
+    names = list(nodes.rows)
+
+    def told(row: int, message: str) -> None:
         ends = " and ".join(quoted(names[end]) for end in pairs[row].tolist())
-        limit = f"it must be {limit_of(law, l[row], read['EA'][row])}" if l[row] else "it has no length"
-        tell(row, f"no rest length above 0 gives {ends} a force of {t[row]:g} at the start: {limit}")
-    return None if wrong else {**read, "rest_length": rest}
+        tell(row, message.format(ends))
+
+    rest = checked_rest_lengths(law, l, t, read["EA"], told, is_one)
+    return None if rest is None else {**read, "rest_length": rest}
 
 
 def _column(
@@ -178,8 +177,7 @@ def groups_of_table(table: "Table", nodes: Nodes | None, law: str | None) -> lis
         table.add(-1, table.header.index("pretension"), message)
     t = numbers.get("pretension")
     if t is not None:
-        for row in np.flatnonzero((t < 0.0) & (np.array(kinds.values) == "cable")).tolist():
-            columns["pretension"].add(row, f"must be >= 0 for a cable, got {t[row]:g}")
+        check_pull(t, np.array(kinds.values) == "cable", columns["pretension"].add)
     if pairs is None or not table.findings.none:
         return None
     tell = columns["pretension"].add if "pretension" in columns else lambda row, message: None

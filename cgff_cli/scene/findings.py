@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Collection, Hashable, Iterable, Sequence
+from itertools import chain
 from typing import NamedTuple
 
 from cgff_cli.errors import Problem
@@ -98,7 +99,8 @@ class Findings:
         here = [Problem(path, *at, message) for at, message in self.faults]
         for at, message, others in folded(item for item in placed if item[0] not in at_fault):
             here.append(Problem(path, *at, counted(message, at[0], [line for line, _ in others])))
-        return listed(here) + [p for file, its, at in self._files for p in file.problems(its, at)]
+        of_files = (file.problems(its, at) for file, its, at in self._files)
+        return listed(here) + list(dict.fromkeys(chain.from_iterable(of_files)))  # a file may be used twice
 
     def hint(self, name: str, candidates: Collection[str]) -> str:
         """Return "; did you mean 'x'?", or nothing where no candidate is near.

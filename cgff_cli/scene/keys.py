@@ -17,7 +17,7 @@ _OTHER_WORDS = {
     "EA": ("young", "youngs_modulus", "modulus", "area", "stiffness", "axial_stiffness"),
     "rest_length": ("l0", "length", "lengths", "rest", "free_length", "unstressed_length"),
     "pretension": ("prestress", "tension"),
-    "weight": ("self_weight", "dead_load", "mass"),
+    "weight": ("self_weight", "dead_load"),
     "load_cases": ("cases", "loadcases"),
     "combinations": ("combos", "load_combinations"),
     "gravity": ("g",),
@@ -43,13 +43,20 @@ def check_keys(
     required : key -> what to say of it where it is missing
     """
     required, gone = required or {}, lost(values)
-    values = {key: value for key, value in values.items() if not is_own(key)}
-    faults, missing = key_faults(values, allowed, required)
-    for key, message in faults.items():
-        findings.add_key((*where, key), message)
+    strange = [key for key in values if key not in allowed and not is_own(key)]
+    nearly = [key for key in strange if is_own(key.lower().replace("_", "-"))]
+    for key in nearly:
+        findings.add_key((*where, key), f"unknown key {quoted(key)}; did you mean {quoted('x-' + key[2:])}?")
+    if strange:
+        known = [key for key in values if not is_own(key) and key not in nearly]
+        faults, missing = key_faults(known, allowed, required)
+        for key, message in faults.items():
+            findings.add_key((*where, key), message)
+    else:
+        missing = [key for key in required if key not in values]
     for key in missing if len(missing) > gone else ():
         findings.add(where, f"missing key {key!r}{required[key]}", at_key=True)
-    return not faults and not missing and not gone
+    return not strange and not missing and not gone
 
 
 def is_own(key: str) -> bool:

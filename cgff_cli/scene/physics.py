@@ -44,12 +44,15 @@ def check_weight(
     labels: np.ndarray,
     supports: dict[int, str],
     groups: Sequence[Group],
-    along: str,
+    gravity: Sequence[float],
 ) -> None:
     """Record every part whose weight nothing holds, along any of the axes that gravity has a share in."""
     heavy = [group.pairs[group.weight != 0.0, 0] for group in groups if group.weight is not None]
-    parts = set(labels[np.concatenate(heavy)].tolist()) if heavy else set()
-    for axis in along if parts else "":
+    if not heavy:
+        return
+    parts = set(labels[np.concatenate(heavy)].tolist())
+    down = np.abs(gravity) > ROUNDING * np.abs(gravity).max()
+    for axis in (AXES[i] for i in np.flatnonzero(down).tolist()):
         held = {int(labels[row]) for row, axes in supports.items() if axis in axes}
         for part in sorted(parts - held):
             members = [names[row] for row in np.flatnonzero(labels == part)]
@@ -81,10 +84,11 @@ def check_net_loads(
         held[[labels[row] for row, axes in supports.items() if AXES[axis] in axes]] = True
         for part in np.flatnonzero(~held & (np.abs(net) > ROUNDING * gross)):
             members = [names[row] for row in np.flatnonzero(labels == part)]
-            findings.add_key(
+            findings.add(
                 where,
                 f"no equilibrium exists: the forces along {AXES[axis]} on the part with nodes "
                 f"{first_few(members)} add up to {net[part]:g}, and no support holds it along {AXES[axis]}",
+                at_key=True,
             )
 
 

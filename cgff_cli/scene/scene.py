@@ -9,6 +9,7 @@ import numpy as np
 
 from cgff_cli.errors import OptionError
 from cgff_cli.hints import did_you_mean, meant_or_all
+from cgff_cli.scene.laws import rules
 from cgff_cli.values import DEAD
 
 LAWS = ("paper", "hooke")
@@ -171,10 +172,11 @@ class Scene:
         if isinstance(coordinates, Mapping):
             for name, own in coordinates.items():
                 X[self.row_of(name)] = self._point(name, own)
-        elif np.shape(coordinates) == X.shape and np.isfinite(np.asarray(coordinates, dtype=float)).all():
-            X = np.array(coordinates, dtype=float)
         else:
-            raise OptionError(f"coordinates must be finite numbers of the shape {X.shape}")
+            given = _doubles(coordinates)
+            if given is None or given.shape != X.shape or not np.isfinite(given).all():
+                raise OptionError(f"coordinates must be finite numbers of the shape {X.shape}")
+            X = given
         groups = tuple(replace(group, pretension=None) for group in self.groups)
         return replace(self, coordinates=X, groups=groups)
 
@@ -197,13 +199,16 @@ class Scene:
         return {name: row for row, name in enumerate(self.node_names)}
 
     def _point(self, name: str, numbers: Sequence[float]) -> tuple[float, ...]:
-        found = np.array(numbers, dtype=float) if np.shape(numbers) == (self.dimension,) else None
-        if found is None or not np.isfinite(found).all():
+        found = _doubles(numbers)
+        if found is None or found.shape != (self.dimension,) or not np.isfinite(found).all():
             raise OptionError(f"{name}: must be {self.dimension} finite numbers, got {numbers!r}")
         return tuple(found.tolist())
 
     def with_rest_lengths(self, rest_lengths: np.ndarray) -> "Scene":
-        """Return the same scene with other rest lengths, (b,) in its element order, or OptionError."""
+        """Return the same scene with other rest lengths, (b,) in its element order, or OptionError.
+
+        A geometry where all are NaN.
+        """
         return self._with_elements("rest_length", "rest_lengths", rest_lengths)
 
     def with_weights(self, weights: np.ndarray) -> "Scene":
@@ -214,12 +219,25 @@ class Scene:
         """Return the same scene with other EA, (b,) in its element order, or OptionError."""
         return self._with_elements("EA", "EA", EA)
 
-    def _with_elements(self, column: str, called: str, values: np.ndarray) -> "Scene":
-        if np.shape(values) != (self.element_count,):
-            shape = np.shape(values)
-            raise OptionError(f"{called} must have the shape ({self.element_count},), got {shape}")
+    def _with_elements(self, column: str, called: str, values: object) -> "Scene":
+        numbers, rule = _doubles(values), rules(self.law)[column]
+        if numbers is None:
+            raise OptionError(f"{called} must be an array of numbers")
+        if numbers.shape != (self.element_count,):
+            raise OptionError(f"{called} must have the shape ({self.element_count},), got {numbers.shape}")
+        is_geometry = column == "rest_length" and np.isnan(numbers).all()
+        for row in np.flatnonzero(~rule.fits(numbers))[: 0 if is_geometry else 1].tolist():
+            raise OptionError(f"{called} must be finite numbers {rule.range}, got {numbers[row]:g}")
         ends = np.cumsum([len(group.EA) for group in self.groups])[:-1]
-        own = zip(self.groups, np.split(np.asarray(values, dtype=float), ends), strict=True)
+        own = zip(self.groups, np.split(numbers, ends), strict=True)
         gone = {"pretension": None} if column != "weight" else {}
         groups = tuple(Group(**{**vars(group), column: part, **gone}) for group, part in own)
         return replace(self, groups=groups)
+
+
+def _doubles(values: object) -> np.ndarray | None:
+    """Return values as an array of numbers, None where one is none."""
+    try:
+        return np.array(values, dtype=float)
+    except (TypeError, ValueError):
+        return None

@@ -21,7 +21,7 @@ from cgff_cli.scene.fields import CellColumn, is_absent
 from cgff_cli.scene.findings import Findings, quoted
 from cgff_cli.scene.keys import Holed, check_keys, is_own, lost
 from cgff_cli.scene.nodes import Nodes
-from cgff_cli.scene.scene import AXES, LAWS, Group, Scene
+from cgff_cli.scene.scene import LAWS, Group, Scene
 
 SCENE_KEYS = (
     *("name", "law", "nodes", "elements", "supports", "loads"),
@@ -56,7 +56,7 @@ def read_scene(findings: Findings, value: object, path: str, base: str) -> Scene
     blocks = {key: ActionBlock(findings, (key,), values.get(key), points, base) for key in SCENE_KEYS}
     supports, loads = read_supports(blocks["supports"]), read_loads(blocks["loads"])
     gravity, cases = read_gravity(blocks["gravity"]), read_cases(blocks["load_cases"])
-    combinations = read_combinations(blocks["combinations"], values.get("load_cases"))
+    combinations = read_combinations(blocks["combinations"], values.get("load_cases"), known)
     solver = _solver(findings, values.get("solver"))
     name = _name(findings, values.get("name"), path)
     if points is None:
@@ -72,19 +72,18 @@ def read_scene(findings: Findings, value: object, path: str, base: str) -> Scene
     pairs = physics.all_pairs(groups)
     labels = physics.component_labels(len(names), pairs)
     d = points.coordinates.shape[1]
-    along = AXES[d - 1] if gravity is None else "".join(a for a, g in zip(AXES, gravity, strict=False) if g)
-    physics.check_weight(findings, names, labels, supports, groups, along)
+    physics.check_weight(findings, names, labels, supports, groups, gravity or (*[0.0] * (d - 1), -1.0))
     for where, own in ((("loads",), loads), *((("load_cases", name), own) for name, own in cases.items())):
         physics.check_net_loads(findings, where, names, labels, supports, own)
     said = physics.warnings(names, d, groups, labels, supports)
-    X, files = points.coordinates, tuple(findings.tables)
+    X, files = points.coordinates, tuple(dict.fromkeys(findings.tables))
     return Scene(
         *(name, law, names, X, tuple(groups), supports, loads, solver, path, said, files),
         gravity=gravity,
         load_cases=cases,
         combinations=combinations,
         own={key: entry for key, entry in values.items() if is_own(key)},
-        notes=tuple(findings.notes),
+        notes=tuple(dict.fromkeys(findings.notes)),
     )
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from cgff_cli.errors import OptionError
 from cgff_cli.many import own_numbers
-from cgff_cli.scene.elements import rules
+from cgff_cli.scene.laws import rules
 from cgff_cli.scene.nodes import ANY_SIZE
 from cgff_cli.scene.scene import AXES, Scene
 from cgff_cli.scene.select import rows_of_group

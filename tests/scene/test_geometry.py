@@ -35,7 +35,9 @@ def test_a_scene_without_any_rest_length_is_a_geometry():
 def test_rest_lengths_in_some_groups_only_are_a_mistake():
     with pytest.raises(cgff_cli.SceneError) as caught:
         cgff_cli.loads(TRIANGLE.replace("EA: 20", "EA: 20, rest_length: 3"))
-    assert str(caught.value) == "<text>:4:3: elements.ring: missing key 'rest_length'"
+    assert str(caught.value) == (
+        "<text>:4:3: elements.ring: missing key 'rest_length', or 'pretension' in its place"
+    )
 
 
 def test_a_misspelt_rest_length_is_no_geometry():
