@@ -9,7 +9,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def pytest_collection_modifyitems(items):
-    for module in ("cvxopt", "matplotlib"):
+    for module in ("cvxopt", "matplotlib", "meshio", "ezdxf"):
         if find_spec(module) is None:
             for item in items:
                 if item.get_closest_marker(f"needs_{module}"):

@@ -11,6 +11,7 @@ from cgff_cli.options import OPTIONS
 from cgff_cli.scene import elements, fields, nodes, physics
 from cgff_cli.scene.fields import CellColumn, found, is_absent
 from cgff_cli.scene.findings import Findings, quoted
+from cgff_cli.scene.foreign import how_to_convert
 from cgff_cli.scene.keys import Holed, check_keys, lost
 from cgff_cli.scene.nodes import Nodes
 from cgff_cli.scene.scene import AXES, LAWS, Group, Scene
@@ -33,6 +34,10 @@ def read_scene(findings: Findings, value: object, path: str, base: str) -> Scene
     """
     values = fields.mapping(findings, (), value, "with law, nodes and elements")
     if values is None:
+        return None
+    stranger = how_to_convert(values, path)
+    if stranger is not None:
+        findings.add((), stranger)
         return None
     values = _without_sunken(findings, _without_spilt(findings, values, SCENE_KEYS), SCENE_KEYS)
     known = check_keys(findings, (), values, SCENE_KEYS, _REQUIRED)
