@@ -15,7 +15,7 @@ BUDGET = {
     "top": 1681,
     "analysis": 2207,
     "cli": 2146,
-    "formats": 1432,
+    "formats": 1443,
     "mechanics": 966,
     "report": 1487,
     "rivals": 694,

@@ -32,9 +32,9 @@ _ASKS = {
     "csv": ("law", "EA", "strut_EA", "kind", "nodes"),
 }
 _NOT_KEPT = {
-    "obj": "names of nodes, kinds, EA, rest lengths, supports and loads: OBJ holds points and lines",
-    "vtu": "names of nodes and groups, the law, supports and loads: VTU holds points, lines and numbers",
-    "dxf": "names of nodes, EA, rest lengths, supports and loads: DXF holds lines and layers",
+    "obj": ("OBJ holds points and lines", ("names of nodes", "kinds", "EA")),
+    "vtu": ("VTU holds points, lines and numbers", ("names of nodes", "names of groups", "the law")),
+    "dxf": ("DXF holds lines and layers", ("names of nodes", "EA")),
 }
 _MAYBE = re.compile("|".join(key for keys in FOREIGN_KEYS.values() for key in keys))
 
@@ -61,8 +61,17 @@ class Converted:
 
     def not_kept(self, form: str) -> tuple[str, ...]:
         """Return sentences on what does not come as far as a format of WRITABLE."""
-        said = self.lost + ((_NOT_KEPT[form],) if form in _NOT_KEPT else ())
-        return said + ((self.start[1],) if form == "vtu" and self.start[1] else ())
+        if form not in _NOT_KEPT:
+            return self.lost
+        why, gone = _NOT_KEPT[form]
+        more = {
+            "rest lengths": form != "vtu" and not self.scene.is_geometry,
+            "supports": bool(self.scene.supports),
+            "loads": bool(self.scene.loads),
+        }
+        what = either([*gone, *(name for name, there in more.items() if there)], "and")
+        moved = (self.start[1],) if form == "vtu" and self.start[1] else ()
+        return (*self.lost, f"{what}: {why}", *moved)
 
     @cached_property
     def start(self) -> tuple[np.ndarray | None, str]:
@@ -172,7 +181,9 @@ def _began(text: str) -> str | None:
 def _scene_text(converted: Converted) -> str:
     from cgff_cli.scene.write import to_yaml
 
-    header = [f"converted from {converted.scene.path}, {_CALLED[converted.source]}", *converted.assumed]
+    path = converted.scene.path
+    name = path if path.isprintable() else ascii(path)
+    header = [f"converted from {name}, {_CALLED[converted.source]}", *converted.assumed]
     header += [f"left out: {what}" for what in converted.lost]
     return to_yaml(converted.scene, "\n".join(" ".join(line.split()) for line in header))
 

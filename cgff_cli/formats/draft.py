@@ -79,7 +79,7 @@ class Draft:
         self, name: str, kind: str, ends: tuple[str, str], at: Mark, EA: float, rest_length: float | None
     ) -> None:
         """Add an element to a group, to one beside it where the group is of the other kind."""
-        if self.groups.get(name, {"kind": kind})["kind"] != kind:
+        while self.groups.get(name, {"kind": kind})["kind"] != kind:
             name = f"{name} ({kind})"
         group = self.groups.setdefault(name, {"kind": kind, "EA": [], "rest_length": [], "pairs": []})
         self.places["elements", name, len(group["pairs"])] = at

@@ -64,3 +64,13 @@ def test_every_mistake_of_both_tables_is_told_at_once(tmp_path):
         converted(tmp_path, "a,b\nb,c\n", EA=1.0, kind="cable")
     with pytest.raises(OptionError, match="a list of edges needs its nodes: give --nodes"):
         cgff_cli.convert(str(tmp_path / "edges.csv"), law="hooke")
+
+
+def test_a_group_of_both_kinds_is_two_groups(tmp_path):
+    table = "start,end,group,kind\na,b,g,cable\nb,c,g,strut\nc,a,g (strut),cable\n"
+    groups = converted(tmp_path, table, EA=1.0).scene.groups
+    assert [(own.name, own.kind) for own in groups] == [
+        ("g", "cable"),
+        ("g (strut)", "strut"),
+        ("g (strut) (cable)", "cable"),
+    ]

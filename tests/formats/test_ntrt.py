@@ -252,3 +252,15 @@ def test_files_that_hold_themselves_or_multiply_beyond_measure_are_refused(tmp_p
         written(tmp_path, f"substructures: {{{names}: {{path: {level - 1}.yaml}}}}\n", f"{level}.yaml")
     with pytest.raises(SceneError, match="stand for more than 300000 structures, nodes and pairs"):
         cgff_cli.convert(written(tmp_path, "substructures: {a: {path: 9.yaml}}\n"))
+
+
+@pytest.mark.parametrize("tags", ["a", "b", "a/b", "b string", "a/b b a"])
+def test_a_bond_has_the_names_of_what_it_joins_as_tags_too(tmp_path, tags):
+    written(tmp_path, "nodes: {p: [0, 0, 0], q: [1, 0, 0]}\npair_groups: {string: [[p, q]]}\n", "bar.yaml")
+    text = f"""\
+substructures: {{a/b: {{path: bar.yaml, offset: [0, 1, 0]}}}}
+bond_groups: {{string: {{a/b/node_node: [[p, p]]}}}}
+builders: {{{tags}: {{class: tgBasicActuatorInfo, parameters: {{stiffness: 7}}}}}}
+"""
+    (group,) = cgff_cli.convert(written(tmp_path, text)).scene.groups
+    assert group.EA.tolist() == [1000.0, 1000.0, 7.0]

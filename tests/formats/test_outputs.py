@@ -131,3 +131,16 @@ def test_an_extra_that_is_missing_is_told_with_the_command_that_brings_it(monkey
     for form, extra in (("vtu", "mesh"), ("dxf", "dxf")):
         with pytest.raises(OptionError, match=rf"is not installed: pip install 'cgff-cli\[{extra}\]'$"):
             cgff_cli.convert(PRISM).written(form)
+
+
+def test_of_what_a_format_cannot_hold_only_what_there_is_is_told(tmp_path):
+    assert cgff_cli.convert(PRISM).not_kept("scene") == ()
+    assert cgff_cli.convert(PRISM).not_kept("dxf") == (
+        "names of nodes, EA and rest lengths: DXF holds lines and layers",
+    )
+    assert cgff_cli.convert(BRACKET).not_kept("vtu") == (
+        "names of nodes, names of groups, the law, supports and loads: VTU holds points, lines and numbers",
+    )
+    (tmp_path / "net.obj").write_text("v 0 0 0\nv 3 4 0\nl 1 2\n")
+    geometry = cgff_cli.convert(str(tmp_path / "net.obj"), law="paper", EA=2.0, kind="strut")
+    assert geometry.not_kept("obj") == ("names of nodes, kinds and EA: OBJ holds points and lines",)
