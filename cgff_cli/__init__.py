@@ -24,6 +24,7 @@ _HOME = {
     "analyse": "cgff_cli.as_given",
     "prestress": "cgff_cli.rest_lengths",
     "compare": "cgff_cli.study.compare",
+    "convert": "cgff_cli.formats.convert",
     "equilibria": "cgff_cli.study.search",
     "sweep": "cgff_cli.study.rows",
     "shipped": "cgff_cli.scene.read",

@@ -27,6 +27,7 @@ ROOMS = (
     "rest_lengths",
     "rivals",
     "study",
+    "formats",
     "report",
     "cli",
     "__main__",

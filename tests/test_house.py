@@ -12,13 +12,14 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 1808,
+    "top": 1809,
     "analysis": 2262,
-    "cli": 2668,
+    "cli": 2755,
+    "formats": 1445,
     "mechanics": 966,
     "report": 1911,
     "rivals": 694,
-    "scene": 4537,
+    "scene": 4576,
     "solvers": 2421,
     "study": 2992,
 }

@@ -19,6 +19,7 @@ from cgff_cli.scene.actions import (
 )
 from cgff_cli.scene.fields import CellColumn, is_absent
 from cgff_cli.scene.findings import Findings, quoted
+from cgff_cli.scene.foreign import how_to_convert
 from cgff_cli.scene.keys import Holed, check_keys, is_own, lost
 from cgff_cli.scene.nodes import Nodes
 from cgff_cli.scene.scene import LAWS, Group, Scene
@@ -42,7 +43,7 @@ def read_scene(findings: Findings, value: object, path: str, base: str) -> Scene
 
     `base` is the directory that names of CSV files are relative to.
     """
-    values = fields.mapping(findings, (), value, "with law, nodes and elements")
+    values = _of_a_scene(findings, value, path)
     if values is None:
         return None
     values = _without_sunken(findings, _without_spilt(findings, values, SCENE_KEYS), SCENE_KEYS)
@@ -85,6 +86,16 @@ def read_scene(findings: Findings, value: object, path: str, base: str) -> Scene
         own={key: entry for key, entry in values.items() if is_own(key)},
         notes=tuple(dict.fromkeys(findings.notes)),
     )
+
+
+def _of_a_scene(findings: Findings, value: object, path: str) -> dict[str, Any] | None:
+    """Return a mapping that is not the file of another program."""
+    values = fields.mapping(findings, (), value, "with law, nodes and elements")
+    stranger = None if values is None else how_to_convert(values, path)
+    if stranger is not None:
+        findings.add((), stranger)
+        return None
+    return values
 
 
 def _without_spilt(findings: Findings, values: dict[str, Any], keys: Collection[str]) -> dict[str, Any]:
