@@ -27,6 +27,7 @@ COMMANDS = {
     "equilibria": "Find the stable equilibria of a scene.",
     "analyse": "Judge a shape as given: balance, states, mechanisms, stability.",
     "prestress": "Find rest lengths that hold a geometry at its own coordinates.",
+    "plot": "Draw a structure.",
     "check": "Read and validate scenes without solving them.",
     "new": "Write a scene of a family: prisms, towers, nets and others.",
 }
