@@ -14,11 +14,11 @@ MOST_LINES_OF_A_FUNCTION = 50
 BUDGET = {
     "top": 1817,
     "analysis": 2201,
-    "cli": 2658,
+    "cli": 2738,
     "mechanics": 966,
-    "report": 1896,
+    "report": 2324,
     "rivals": 694,
-    "scene": 4450,
+    "scene": 4453,
     "solvers": 2421,
     "study": 2964,
 }

@@ -61,13 +61,14 @@ def command(scene: str | None, output: str, **values: Any) -> None:
     extra cgff-cli[plot].
     """
     from cgff_cli.report import figure
+    from cgff_cli.report.plots import check_matplotlib
 
     form = form_of_file("-o", output, _PICTURES) or "png"
     if (scene is None) == (values["sweep"] is None):
         raise click.UsageError("give a SCENE, a RESULT or --sweep FILE.csv")
     inputs = files_of([scene]) if scene else [(values["sweep"], "the rows")]
     targets = check_targets([(output, "the picture")], inputs)
-    figure.check_matplotlib("cgff plot")
+    check_matplotlib("cgff plot")
     if scene is None:
         figure.write_sweep(values["sweep"], output, form)
         return

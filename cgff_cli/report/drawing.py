@@ -1,4 +1,4 @@
-"""What a picture or a page shows of a structure: plain arrays, names once; of a result, a scene or a geometry."""
+"""What a picture or a page shows of a structure: plain arrays, names once."""
 
 from dataclasses import dataclass
 from typing import Any

@@ -1,20 +1,23 @@
-"""Pictures as files: what is drawn, on which paper, in which form; matplotlib is imported here and below only."""
+"""Pictures as files: what is drawn, on which paper, in which form."""
 
 import io
-from importlib.util import find_spec
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from cgff_cli import pipeline
-from cgff_cli.as_given import Analysis, analyse
+from cgff_cli.as_given import analyse
 from cgff_cli.cases import solve_cases
-from cgff_cli.errors import OptionError
 from cgff_cli.report.drawing import drawing_of, mode_of
 from cgff_cli.report.files import write_bytes
 from cgff_cli.result import Result
 from cgff_cli.scene.read import load
 
 WIDTH, HEIGHT = 8.0, 6.0
-"""Inches."""
+"""Inches of curves, and most of a structure's height."""
+
+WIDEST, NARROWEST, BESIDE = 11.0, 3.5, 1.4
+"""Inches of a structure's picture, and of the scale beside it."""
 
 
 class Asked(NamedTuple):
@@ -25,12 +28,6 @@ class Asked(NamedTuple):
     as_given: bool = False
     mode: int | None = None
     history: bool = False
-
-
-def check_matplotlib(what: str) -> None:
-    """Raise OptionError unless matplotlib is installed."""
-    if find_spec("matplotlib") is None:
-        raise OptionError(f"{what} needs matplotlib, which is not installed: pip install 'cgff-cli[plot]'")
 
 
 def result_of(path: str, asked: Asked) -> Result:
@@ -45,22 +42,28 @@ def result_of(path: str, asked: Asked) -> Result:
 
 def write_picture(result: Result, asked: Asked, path: str, form: str) -> None:
     """Write the picture of a result; raises OptionError for a mode that is not there, CgffError."""
-    figure = _paper(1)
-    axes = figure.subplots()
     if asked.history:
         from cgff_cli.report.curves import draw_history
 
-        draw_history(result.history, f"{result.source.name}: {result.message}", axes)
+        figure = _paper(WIDTH, HEIGHT)
+        draw_history(result.history, f"{result.source.name}: {result.verdict}", figure.subplots())
     else:
-        from cgff_cli.report.picture import draw_structure
+        from cgff_cli.report.picture import draw_structure, eye_for
 
         drawing = drawing_of(result, result.source.is_geometry)
-        mode = None
-        if asked.mode is not None:
-            mode, told = mode_of(_analysis(result, asked.mode), asked.mode)
-            axes.set_xlabel(told)
-        draw_structure(drawing, axes, asked.view, mode)
+        mode = None if asked.mode is None else mode_of(analyse(result, modes=asked.mode), asked.mode)
+        eye = eye_for(drawing.coordinates, asked.view)
+        figure = _paper(*_size_for(np.ptp(eye.seen(drawing.coordinates), axis=0)))
+        draw_structure(drawing, figure.subplots(), eye, mode)
     _write(figure, path, form)
+
+
+def _size_for(extent: np.ndarray) -> tuple[float, float]:
+    """Return inches of the paper for a picture of such an extent."""
+    across, up = np.maximum(extent, 1e-3 * extent.max() or 1.0)
+    most = min(2.0 * HEIGHT, max(HEIGHT, up / across))  # a tower gets taller paper
+    room = min((WIDEST - BESIDE) / across, (most - 0.6) / up)
+    return max(NARROWEST, across * room) + BESIDE, max(NARROWEST, up * room) + 0.6
 
 
 def write_sweep(rows: str, path: str, form: str) -> None:
@@ -69,20 +72,16 @@ def write_sweep(rows: str, path: str, form: str) -> None:
 
     swept, found, table = read_rows(rows)
     found = found or ["energy"]
-    figure = _paper(len(found))
+    figure = _paper(WIDTH, max(HEIGHT / 1.5, 2.4 * len(found)))
     draw_sweep(swept, found, table, figure.subplots(len(found), 1, squeeze=False)[:, 0])
     _write(figure, path, form)
 
 
-def _analysis(result: Result, count: int) -> Analysis:
-    return analyse(result, modes=count)
-
-
-def _paper(rows: int) -> Any:
+def _paper(width: float, height: float) -> Any:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(WIDTH, HEIGHT if rows == 1 else 2.4 * rows), layout="constrained")
+    figure = Figure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(figure)
     return figure
 

@@ -1,6 +1,7 @@
-"""One picture of a structure: struts thick, cables thin, force in colour; seen from the side, or in its plane."""
+"""One picture of a structure: struts thick, cables thin, force in colour, from the side or in its plane."""
 
 from dataclasses import dataclass
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,10 +16,13 @@ if TYPE_CHECKING:
 FEW = 30
 """Nodes that are named, elements of which every one is seen by itself."""
 
+MOST_ARROWS = 150
+"""Loads, and motions, that are drawn; of more, evenly chosen ones."""
+
 PUSH, NOTHING, PULL = "#1f5fa8", "#b4b4b4", "#c8501e"
 """Blue, grey and orange, which the colour-blind tell apart; in print all but grey are dark."""
 
-GHOST, INK = "#c9c9c9", "#333333"
+GHOST, INK, LOAD, MODE = "#c9c9c9", "#333333", "#2a7f62", "#7a3e9d"
 VIEWS = {"front": (0.0, 0.0), "side": (90.0, 0.0), "top": (0.0, 90.0), "iso": (35.0, 25.0)}
 """Word -> degrees that the eye goes round the vertical, and up."""
 
@@ -54,7 +58,7 @@ class Eye:
 
 
 def eye_for(X: np.ndarray, view: tuple[float, float] | None) -> Eye:
-    """Return the eye for a shape (n, d): z upwards, its widest side across, turned a little; view: degrees."""
+    """Return the eye for a shape (n, d): z upwards, turned a little from its widest side; view: degrees."""
     if X.shape[1] == 2:
         return Eye(np.eye(3)[:, :2])
     flat = X[:, :2] - X[:, :2].mean(axis=0)
@@ -67,23 +71,26 @@ def eye_for(X: np.ndarray, view: tuple[float, float] | None) -> Eye:
 
 
 def draw_structure(
-    drawing: Drawing, axes: "Axes", view: tuple[float, float] | None = None, mode: np.ndarray | None = None
+    drawing: Drawing, axes: "Axes", eye: Eye, mode: tuple[np.ndarray, str] | None = None
 ) -> None:
-    """Draw a structure; view: degrees, None for the one that shows most; mode: (n, d), largest motion 1."""
-    eye = eye_for(drawing.coordinates, view)
-    axes.set(aspect="equal", title=drawing.title)
+    """Draw a structure; mode: (n, d), largest motion 1, and what it is."""
+    axes.set(aspect="equal")
+    room = int(9 * axes.figure.bbox.width / axes.figure.dpi)
+    told = [drawing.title, *([mode[1]] if mode else [])]
+    axes.set_title("\n".join(fill(line, room) for line in told), fontsize="medium")
     axes.set_axis_off()
     if drawing.start is not None:
         _lines(axes, eye, drawing, drawing.start, colors=GHOST, linewidths=0.7)
     _elements(axes, eye, drawing)
     places = eye.seen(drawing.coordinates)
-    _arrows(axes, places, eye.seen(drawing.loads), 0.12 * drawing.size, color="#2a7f62")
+    _arrows(axes, places, eye.seen(drawing.loads), 0.09 * drawing.size, color=LOAD)
     if mode is not None:
-        moved = drawing.coordinates + MODE_REACH * drawing.size * mode
-        _lines(axes, eye, drawing, moved, colors=PULL, linewidths=0.8, linestyles=(0, (4, 3)))
-        _arrows(axes, places, eye.seen(mode), MODE_REACH * drawing.size, color=PULL, towards=False)
+        moved = drawing.coordinates + MODE_REACH * drawing.size * mode[0]
+        _lines(axes, eye, drawing, moved, colors=MODE, linewidths=0.8, linestyles=(0, (4, 3)))
+        _arrows(axes, places, eye.seen(mode[0]), MODE_REACH * drawing.size, color=MODE, towards=False)
     at = places[drawing.supports]
-    axes.plot(at[:, 0], at[:, 1], "^", color="white", markeredgecolor=INK, markersize=7, zorder=5)
+    mark = 7.0 * min(1.0, (FEW / (len(at) or 1)) ** 0.5)
+    axes.plot(at[:, 0], at[:, 1], "^", color="white", markeredgecolor=INK, markersize=mark, zorder=3)
     if len(places) <= FEW:
         _names(axes, places, drawing)
     axes.autoscale_view()
@@ -147,11 +154,15 @@ def _arrows(
     drawn = np.flatnonzero(sizes > 1e-3 * sizes.max())
     if not len(drawn) or not sizes.max():
         return
+    many = len(drawn) > MOST_ARROWS
+    if many:
+        drawn = drawn[np.linspace(0, len(drawn) - 1, MOST_ARROWS).astype(int)]
+        reach *= 0.5
     arrows = vectors[drawn] * (reach / sizes.max())
     at = places[drawn] - (arrows if towards else 0.0)
-    axes.quiver(
-        *at.T, *arrows.T, angles="xy", scale_units="xy", scale=1.0, color=color, width=0.004, zorder=4
-    )
+    how: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "scale": 1.0, "zorder": 4}
+    how |= {"width": 0.0015, "alpha": 0.6} if many else {"width": 0.003}
+    axes.quiver(*at.T, *arrows.T, color=color, **how)
     axes.update_datalim(np.concatenate([at, at + arrows]))
 
 
@@ -160,7 +171,6 @@ def _names(axes: "Axes", places: np.ndarray, drawing: Drawing) -> None:
     middle = places.mean(axis=0)
     for name, place in zip(drawing.node_names, places, strict=True):
         side = np.sign(place - middle)
-        where = {"ha": "left" if side[0] >= 0 else "right", "va": "bottom" if side[1] >= 0 else "top"}
-        axes.annotate(
-            name, place, xytext=4 * side, textcoords="offset points", fontsize="small", color=INK, **where
-        )
+        how: dict[str, Any] = {"textcoords": "offset points", "fontsize": "small", "color": INK}
+        how |= {"ha": "left" if side[0] >= 0 else "right", "va": "bottom" if side[1] >= 0 else "top"}
+        axes.annotate(name, place, xytext=4 * side, **how)
