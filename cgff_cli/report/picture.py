@@ -13,7 +13,7 @@ from cgff_cli.report.drawing import Drawing
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-FEW = 30
+NAMED_NODES = 30
 """Nodes that are named, elements of which every one is seen by itself."""
 
 MOST_ARROWS = 150
@@ -89,9 +89,9 @@ def draw_structure(
         _lines(axes, eye, drawing, moved, colors=MODE, linewidths=0.8, linestyles=(0, (4, 3)))
         _arrows(axes, places, eye.seen(mode[0]), MODE_REACH * drawing.size, color=MODE, towards=False)
     at = places[drawing.supports]
-    mark = 7.0 * min(1.0, (FEW / (len(at) or 1)) ** 0.5)
+    mark = 7.0 * min(1.0, (NAMED_NODES / (len(at) or 1)) ** 0.5)
     axes.plot(at[:, 0], at[:, 1], "^", color="white", markeredgecolor=INK, markersize=mark, zorder=3)
-    if len(places) <= FEW:
+    if len(places) <= NAMED_NODES:
         _names(axes, places, drawing)
     axes.autoscale_view()
     axes.margins(0.06)
@@ -103,7 +103,7 @@ def _elements(axes: "Axes", eye: Eye, drawing: Drawing) -> None:
 
     mid = drawing.coordinates[drawing.pairs].mean(axis=1)
     order = np.argsort(eye.depth(mid), kind="stable")
-    thin = 1.0 if len(order) > 10 * FEW else 1.6
+    thin = 1.0 if len(order) > 10 * NAMED_NODES else 1.6
     thin *= min(1.0, (3000.0 / len(order)) ** 0.5)
     widths = np.where(drawing.struts, 2.6 * thin, thin)[order]
     dashes = [(0, (3, 2)) if slack else "solid" for slack in drawing.slack[order].tolist()]
