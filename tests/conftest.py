@@ -1,11 +1,14 @@
 """What tests may need that is not always there, and one thread each, as the command sets for itself."""
 
 import os
+import signal
 from importlib.util import find_spec
 
 import pytest
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # as in the background of a script
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_collection_modifyitems(items):

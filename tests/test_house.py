@@ -14,9 +14,9 @@ MOST_LINES_OF_A_FUNCTION = 50
 BUDGET = {
     "top": 1817,
     "analysis": 2201,
-    "cli": 2738,
+    "cli": 2744,
     "mechanics": 966,
-    "report": 2324,
+    "report": 2358,
     "rivals": 694,
     "scene": 4453,
     "solvers": 2421,

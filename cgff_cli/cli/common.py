@@ -143,7 +143,9 @@ def title(scene: str) -> str:
 
 
 def tell(pieces: Iterable[str]) -> None:
-    """Write pieces of data to standard output, in place of what shows progress there."""
+    """Write pieces of data to standard output, if there are any, in place of what shows progress there."""
+    if not pieces:
+        return
     if sys.stdout.isatty():
         _make_way()
     write_output(STDOUT, pieces)

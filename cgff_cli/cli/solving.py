@@ -120,7 +120,8 @@ class Solving:
     def known(self, job: "SceneJob", entry: Any) -> Kept | None:
         """Return what is there of a scene, where all its files are those that a journal tells of."""
         digests = entry.get("digests") if isinstance(entry, dict) else None
-        if not isinstance(digests, dict) or digests != self.writing.digests(digests):
+        found = self.writing.digests(digests) if isinstance(digests, dict) else {}
+        if not found or None in found.values() or digests != found:
             return None
         # The page of a scene takes more than its files hold.
         return Kept(**entry) if self.writing.shown in ("", "lines", "summary") else None
@@ -196,7 +197,10 @@ def took(ended: "Done", outputs: Outputs, journal: "MutableMapping[str, Any]") -
             outputs.failed(scene, "bad_scene" if code is ExitCode.SCENE else "error")
         return code
     kept = ended.found
-    tell([kept.text] if ended.is_new else outputs.writing.written(scene, kept.rows))
+    if not ended.is_new:
+        tell(outputs.writing.written(scene, kept.rows))
+    elif kept.text:
+        tell([kept.text])
     outputs.rows += kept.rows
     outputs.pages.append(kept.page)
     codes = [_note(ended, journal)]

@@ -66,11 +66,18 @@ def check_target(path: str) -> None:
 def clear_away(targets: Iterable[str]) -> None:
     """Remove what writers that were killed left beside files such as these."""
     for folder in {os.path.dirname(os.path.realpath(path)) for path in targets}:
-        for name in filter(_PART.fullmatch, os.listdir(folder)):
+        for name in filter(_PART.fullmatch, _listed(folder)):
             part = os.path.join(folder, name)
             with suppress(OSError), open(part, "rb") as file:
                 fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)  # whoever writes it still holds it
                 os.unlink(part)
+
+
+def _listed(folder: str) -> list[str]:
+    try:
+        return os.listdir(folder)
+    except OSError:  # one may be allowed to write there, but not to look
+        return []
 
 
 def _place(path: str) -> tuple[str, int | None]:

@@ -114,6 +114,12 @@ def test_a_result_that_is_not_as_it_was_written_is_solved_again(run: Run, solved
     assert json.loads(Path("out/01.json").read_text())["converged"] is True
 
 
+def test_a_result_that_another_run_has_replaced_is_solved_again(run: Run):
+    for flags in ([], ["--tolerance", "1e-3"], ["--resume"]):
+        run("solve", "00.yaml", "--out-dir", "out", *flags)
+    assert json.loads(Path("out/00.json").read_text())["options"]["tolerance"] == 1e-10
+
+
 def test_what_killed_writers_left_is_cleared_away_but_not_from_under_a_living_one(run: Run):
     run("solve", "00.yaml", "--out-dir", "out")
     living = LEFTOVER.replace("0", "f")
