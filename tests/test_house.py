@@ -14,12 +14,12 @@ MOST_LINES_OF_A_FUNCTION = 50
 BUDGET = {
     "top": 1809,
     "analysis": 2262,
-    "cli": 2755,
+    "cli": 2835,
     "formats": 1445,
     "mechanics": 966,
-    "report": 1911,
+    "report": 2366,
     "rivals": 694,
-    "scene": 4576,
+    "scene": 4579,
     "solvers": 2421,
     "study": 2992,
 }

@@ -28,6 +28,7 @@ COMMANDS = {
     "analyse": "Judge a shape as given: balance, states, mechanisms, stability.",
     "prestress": "Find rest lengths that hold a geometry at its own coordinates.",
     "convert": "Turn files of other programs into scenes, and back.",
+    "plot": "Draw a structure.",
     "check": "Read and validate scenes without solving them.",
     "new": "Write a scene of a family: prisms, towers, nets and others.",
 }

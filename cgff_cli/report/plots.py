@@ -14,10 +14,10 @@ WIDTH, HEIGHT = 11.0, 4.2
 MARKERS = "osD^v<>Ph"
 
 
-def check_matplotlib() -> None:
+def check_matplotlib(what: str = "--plot") -> None:
     """Raise OptionError unless matplotlib is installed."""
     if find_spec("matplotlib") is None:
-        raise OptionError("--plot needs matplotlib, which is not installed: pip install 'cgff-cli[plot]'")
+        raise OptionError(f"{what} needs matplotlib, which is not installed: pip install 'cgff-cli[plot]'")
 
 
 def draw(found: Sequence[Comparison], path: str) -> None:

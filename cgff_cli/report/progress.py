@@ -4,6 +4,7 @@ import os
 import sys
 from collections.abc import Mapping
 from contextlib import suppress
+from math import log10
 from time import perf_counter
 from types import TracebackType
 from typing import Any
@@ -12,6 +13,10 @@ DELAY = 0.5
 """Seconds of silence: a solve that ends sooner shows nothing and never imports rich."""
 
 _REDRAW = 0.1
+
+BLOCKS = "▁▂▃▄▅▆▇█"
+CURVE = 24
+"""Columns of the curve that shows how the residual falls."""
 
 _UNITS = (("s", 1.0), ("min", 60.0), ("h", 3600.0))
 
@@ -30,6 +35,8 @@ class Progress:
         self.drawn = 0.0
         self.width = 0
         self.counted = ""
+        self.digits: list[float] = []
+        self.every = 1
 
     def __enter__(self) -> "Progress":
         return self
@@ -41,8 +48,28 @@ class Progress:
 
     def __call__(self, row: Mapping[str, Any]) -> None:
         """Show a row of the history of a solve that takes its time, ten times a second at most."""
+        self._note(row)
         if perf_counter() >= self.silent_until:
-            self.show(f"{self.counted}iteration {row['iteration']}  residual {row['residual_max']:.2e}")
+            residual = f"{row['residual_max']:.2e}{self._fall()}"
+            self.show(f"{self.counted}iteration {row['iteration']}  residual {residual}")
+
+    def _note(self, row: Mapping[str, Any]) -> None:
+        """Keep the digits of the residual; once there are many, those of every other row."""
+        if row["iteration"] == 0:
+            self.digits, self.every = [], 1
+        if row["residual_max"] > 0.0 and row["iteration"] % self.every == 0:
+            self.digits.append(log10(row["residual_max"]))
+        if len(self.digits) > 2 * CURVE:
+            self.digits, self.every = self.digits[::2], 2 * self.every
+
+    def _fall(self) -> str:
+        """Return the curve of the residual's digits so far, in blocks; nothing where it has no shape yet."""
+        least, most = min(self.digits, default=0.0), max(self.digits, default=0.0)
+        if most - least < 1.0 or not str(getattr(sys.stderr, "encoding", "")).lower().startswith("utf"):
+            return ""
+        step = (most - least) / (len(BLOCKS) - 1)
+        shown = self.digits[:: 1 + (len(self.digits) - 1) // CURVE]
+        return "  " + "".join(BLOCKS[round((value - least) / step)] for value in shown)
 
     def show(self, words: str) -> None:
         """Show words on what is going on, ten times a second at most."""

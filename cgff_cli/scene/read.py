@@ -111,7 +111,8 @@ def _read(text: str, path: str, base: str, results: bool) -> Scene:
             value, moved = found.value, found.where
         scene = read_scene(findings, value, path, base) if document.whole else None
         if scene is not None and findings.none:
-            return replace(scene, elements_at=document.place(("elements",), True))
+            place = document.place(("elements",), True)
+            return replace(scene, elements_at=place, is_answer=is_result(document.value))
         if not document.sharpened(map(moved, findings.wheres)):
             raise SceneError(findings.problems(path, _placing(document.place, moved)))
 

@@ -59,6 +59,7 @@ class Scene:
     begins      : where a solve of a case begins        whole : the scene that it is a case of
     own         : keys that begin with x-, and their plain values
     notes       : what was passed over while reading, for whoever wants many words
+    is_answer   : it was read from the result of a solve
     """
 
     name: str
@@ -81,6 +82,7 @@ class Scene:
     whole: "Scene | None" = None
     own: Mapping[str, object] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    is_answer: bool = False
 
     @property
     def dimension(self) -> int:

@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from collections.abc import Callable
+from types import SimpleNamespace
 
 import pytest
 
@@ -129,3 +130,17 @@ def test_rich_is_imported_only_when_there_is_something_to_show():
         "sys.exit('rich' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", program]).returncode == 0
+
+
+def test_a_slow_solve_shows_how_its_residual_falls(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(progress, "sys", SimpleNamespace(stderr=SimpleNamespace(encoding="utf-8")))
+    line, shown = Progress("x", delay=100.0), []
+    for iteration in range(200):
+        line({"iteration": iteration, "residual_max": 10.0 ** (-iteration / 20.0)})
+        shown.append(line._fall())
+    assert shown[0] == shown[10] == ""
+    assert shown[30].startswith("  █")
+    assert shown[-1].endswith("▁")
+    assert max(map(len, shown)) <= 2 + progress.CURVE
+    line({"iteration": 0, "residual_max": 1.0})
+    assert line._fall() == ""

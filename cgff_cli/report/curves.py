@@ -1,0 +1,72 @@
+"""Curves: how a run came to its end, and what a sweep found."""
+
+import csv
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cgff_cli.errors import CgffError, OptionError
+from cgff_cli.report.plots import MARKERS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+MOST_CURVES = 9
+"""Values of a second swept number that are a curve each."""
+
+
+def draw_history(history: Mapping[str, Sequence[Any]], title: str, axes: "Axes") -> None:
+    """Draw residual and gradient against iterations."""
+    for number, name in enumerate(("residual_max", "gradient_norm")):
+        values = np.array(history[name], dtype=float)
+        shown = np.where(values > 0.0, values, np.nan)
+        axes.plot(history["iteration"], shown, label=name, color=f"C{number}", linestyle=("-", "--")[number])
+    axes.set(yscale="log", xlabel="iteration", title=title)
+    axes.grid(visible=True, alpha=0.3)
+    axes.legend()
+
+
+def read_rows(path: str) -> tuple[list[str], list[str], list[dict[str, str]]]:
+    """Return the swept columns, the others that hold numbers, and the rows of a sweep; raises OptionError."""
+    try:
+        with open(path, encoding="utf-8", newline="") as file:
+            reader = csv.DictReader(file)
+            rows, names = list(reader), list(reader.fieldnames or [])
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise CgffError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from error
+    if "verdict" not in names or not names.index("verdict") or not rows:
+        raise OptionError(
+            f"{path}: is no table of rows that `cgff sweep -o rows.csv` writes, with its header"
+        )
+    found = names[names.index("energy") + 1 :] if "energy" in names else []
+    return names[: names.index("verdict")], [name for name in found if name not in ("jump", "lost")], rows
+
+
+def draw_sweep(
+    swept: Sequence[str], found: Sequence[str], rows: Sequence[Mapping[str, str]], axes: Any
+) -> None:
+    """Draw what was found against the first swept number, a curve for each value of the second, if few."""
+    first, *others = swept
+    values = list(dict.fromkeys(tuple(row[name] for name in others) for row in rows))
+    is_curve = len(values) <= MOST_CURVES
+    for own, name in zip(axes, found, strict=True):
+        for number, value in enumerate(values if is_curve else [()]):
+            mine = [row for row in rows if not is_curve or tuple(row[other] for other in others) == value]
+            told = ", ".join(f"{other} = {float(part):g}" for other, part in zip(others, value, strict=False))
+            x, y = (np.array([_number(row[column], row) for row in mine]) for column in (first, name))
+            style = "-" if is_curve and np.all(np.diff(x[np.isfinite(x)]) != 0.0) else ""
+            mark = MARKERS[number % len(MARKERS)]
+            own.plot(x, y, f"{mark}{style}", label=told or None, markersize=3.5, linewidth=1.1)
+        own.set(xlabel=first, ylabel=name)
+        own.grid(visible=True, alpha=0.3)
+        if is_curve and others:
+            own.legend(fontsize="small")
+
+
+def _number(text: str, row: Mapping[str, str]) -> float:
+    """Return a number of a row; NaN where there is none, or the row did not converge."""
+    try:
+        return float(text) if row["converged"] == "true" else np.nan
+    except ValueError:
+        return np.nan

@@ -1,0 +1,97 @@
+"""Pictures as files: what is drawn, on which paper, in which form."""
+
+import io
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from cgff_cli import pipeline
+from cgff_cli.as_given import analyse
+from cgff_cli.cases import solve_cases
+from cgff_cli.report.drawing import drawing_of, mode_of
+from cgff_cli.report.files import write_bytes
+from cgff_cli.result import Result
+from cgff_cli.scene.read import load
+
+WIDTH, HEIGHT = 8.0, 6.0
+"""Inches of curves, and most of a structure's height."""
+
+WIDEST, NARROWEST, BESIDE = 11.0, 3.5, 1.4
+"""Inches of a structure's picture, and of the scale beside it."""
+
+
+class Asked(NamedTuple):
+    """What of a structure is drawn; see `cgff plot`."""
+
+    view: tuple[float, float] | None = None
+    case: str | None = None
+    as_given: bool = False
+    mode: int | None = None
+    history: bool = False
+
+
+def result_of(path: str, asked: Asked) -> Result:
+    """Return what is drawn of the file at a path: a result, a geometry as it is, or a scene solved."""
+    scene = load(path, results=True)
+    if asked.as_given or scene.is_geometry or scene.is_answer:
+        return analyse(scene).result
+    if asked.case is not None:
+        return next(solve_cases(scene, [asked.case]))
+    return pipeline.solve(scene)
+
+
+def write_picture(result: Result, asked: Asked, path: str, form: str) -> None:
+    """Write the picture of a result; raises OptionError for a mode that is not there, CgffError."""
+    if asked.history:
+        from cgff_cli.report.curves import draw_history
+
+        figure = _paper(WIDTH, HEIGHT)
+        draw_history(result.history, f"{result.source.name}: {result.verdict}", figure.subplots())
+    else:
+        from cgff_cli.report.picture import draw_structure, eye_for
+
+        drawing = drawing_of(result, result.source.is_geometry)
+        mode = None if asked.mode is None else mode_of(analyse(result, modes=asked.mode), asked.mode)
+        eye = eye_for(drawing.coordinates, asked.view)
+        figure = _paper(*_size_for(np.ptp(eye.seen(drawing.coordinates), axis=0)))
+        draw_structure(drawing, figure.subplots(), eye, mode)
+    _write(figure, path, form)
+
+
+def _size_for(extent: np.ndarray) -> tuple[float, float]:
+    """Return inches of the paper for a picture of such an extent."""
+    across, up = np.maximum(extent, 1e-3 * extent.max() or 1.0)
+    most = min(2.0 * HEIGHT, max(HEIGHT, up / across))  # a tower gets taller paper
+    room = min((WIDEST - BESIDE) / across, (most - 0.6) / up)
+    return max(NARROWEST, across * room) + BESIDE, max(NARROWEST, up * room) + 0.6
+
+
+def write_sweep(rows: str, path: str, form: str) -> None:
+    """Write the curves of a sweep; raises OptionError, CgffError."""
+    from cgff_cli.report.curves import draw_sweep, read_rows
+
+    swept, found, table = read_rows(rows)
+    found = found or ["energy"]
+    figure = _paper(WIDTH, max(HEIGHT / 1.5, 2.4 * len(found)))
+    draw_sweep(swept, found, table, figure.subplots(len(found), 1, squeeze=False)[:, 0])
+    _write(figure, path, form)
+
+
+def _paper(width: float, height: float) -> Any:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def _write(figure: Any, path: str, form: str) -> None:
+    """Write a figure, the same bytes for the same figure."""
+    from matplotlib import rc_context
+
+    picture = io.BytesIO()
+    nameless = {"png": {"Software": None}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}[form]
+    with rc_context({"svg.hashsalt": "cgff"}):
+        figure.savefig(picture, format=form, dpi=144, metadata=nameless)
+    write_bytes(path, picture.getvalue())
