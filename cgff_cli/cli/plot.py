@@ -9,7 +9,7 @@ from cgff_cli.cli.options import Checked, output_flag
 from cgff_cli.cli.targets import check_targets, files_of, form_of_file, refuse_inputs
 
 if TYPE_CHECKING:
-    from cgff_cli.report.figure import Asked
+    from cgff_cli.report.figure import Shown
 
 _EPILOG = examples(
     "cgff plot prism.yaml -o prism.png",
@@ -72,7 +72,7 @@ def command(scene: str | None, output: str, **values: Any) -> None:
     if scene is None:
         figure.write_sweep(values["sweep"], output, form)
         return
-    asked: Asked = figure.Asked(**{name: values[name] for name in figure.Asked._fields})
+    asked: Shown = figure.Shown(**{name: values[name] for name in figure.Shown._fields})
     result = figure.result_of(scene, asked)
     refuse_inputs(targets, ((path, f"a file of {title(scene)}") for path in result.source.files))
     warn_of(scene, result.warnings if not result.source.is_geometry else result.source.warnings)

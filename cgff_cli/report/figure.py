@@ -20,7 +20,7 @@ WIDEST, NARROWEST, BESIDE = 11.0, 3.5, 1.4
 """Inches of a structure's picture, and of the scale beside it."""
 
 
-class Asked(NamedTuple):
+class Shown(NamedTuple):
     """What of a structure is drawn; see `cgff plot`."""
 
     view: tuple[float, float] | None = None
@@ -30,7 +30,7 @@ class Asked(NamedTuple):
     history: bool = False
 
 
-def result_of(path: str, asked: Asked) -> Result:
+def result_of(path: str, asked: Shown) -> Result:
     """Return what is drawn of the file at a path: a result, a geometry as it is, or a scene solved."""
     scene = load(path, results=True)
     if asked.as_given or scene.is_geometry or scene.is_answer:
@@ -40,7 +40,7 @@ def result_of(path: str, asked: Asked) -> Result:
     return pipeline.solve(scene)
 
 
-def write_picture(result: Result, asked: Asked, path: str, form: str) -> None:
+def write_picture(result: Result, asked: Shown, path: str, form: str) -> None:
     """Write the picture of a result; raises OptionError for a mode that is not there, CgffError."""
     if asked.history:
         from cgff_cli.report.curves import draw_history

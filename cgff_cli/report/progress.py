@@ -14,7 +14,7 @@ DELAY = 0.5
 
 _REDRAW = 0.1
 
-BLOCKS = "▁▂▃▄▅▆▇█"
+BARS = "▁▂▃▄▅▆▇█"
 CURVE = 24
 """Columns of the curve that shows how the residual falls."""
 
@@ -67,9 +67,9 @@ class Progress:
         least, most = min(self.digits, default=0.0), max(self.digits, default=0.0)
         if most - least < 1.0 or not str(getattr(sys.stderr, "encoding", "")).lower().startswith("utf"):
             return ""
-        step = (most - least) / (len(BLOCKS) - 1)
+        step = (most - least) / (len(BARS) - 1)
         shown = self.digits[:: 1 + (len(self.digits) - 1) // CURVE]
-        return "  " + "".join(BLOCKS[round((value - least) / step)] for value in shown)
+        return "  " + "".join(BARS[round((value - least) / step)] for value in shown)
 
     def show(self, words: str) -> None:
         """Show words on what is going on, ten times a second at most."""

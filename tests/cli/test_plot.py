@@ -113,10 +113,10 @@ def test_a_result_is_drawn_as_it_is_and_a_scene_solved_unless_it_is_not_to_be(ru
     run("solve", "prism.yaml", "-o", "prism.json")
     for name, flags in (("prism.yaml", ()), ("prism.json", ()), ("prism.yaml", ("--as-given",))):
         assert run("plot", name, *flags, "-o", "a.svg").exit_code == 0
-    asked = figure.Asked()
+    asked = figure.Shown()
     solved, result = (figure.result_of(name, asked) for name in ("prism.yaml", "prism.json"))
     assert result.coordinates == pytest.approx(solved.coordinates, abs=1e-12)
-    given = figure.result_of("prism.yaml", figure.Asked(as_given=True))
+    given = figure.result_of("prism.yaml", figure.Shown(as_given=True))
     assert given.coordinates.tolist() == cgff_cli.load("prism.yaml").coordinates.tolist()
 
 
