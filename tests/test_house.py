@@ -14,12 +14,12 @@ MOST_LINES_OF_A_FUNCTION = 50
 BUDGET = {
     "top": 1682,
     "analysis": 2207,
-    "cli": 2059,
+    "cli": 2060,
     "mechanics": 966,
     "report": 1487,
-    "rivals": 694,
+    "rivals": 756,
     "scene": 3448,
-    "solvers": 2449,
+    "solvers": 2448,
     "study": 2125,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""
