@@ -17,7 +17,7 @@ BUDGET = {
     "cli": 2060,
     "mechanics": 966,
     "report": 1487,
-    "rivals": 756,
+    "rivals": 757,
     "scene": 3448,
     "solvers": 2448,
     "study": 2125,

@@ -24,7 +24,7 @@ RANK = 1e-9
 """Eigenvalues of K below this share of the largest count as none."""
 
 ACCURACY = 1e-3
-"""Error of a time step over the unknowns, the integral among them: with noise it bounds what can be reached."""
+"""Error of a time step over the unknowns, the integral too: with noise it bounds what can be reached."""
 
 MOST_UNKNOWNS = 500
 """Above, the pseudo-inverses, seven each time step, are not made."""

