@@ -1,6 +1,6 @@
 """Iterations of every --cg-beta on the shipped scenes: both objectives, with the preconditioner and without.
 
-python -m tests.studies.beta_rules
+python tests/studies/beta_rules.py
 """
 
 from pathlib import Path
