@@ -40,7 +40,9 @@ class SolveOptions:
         ("energy", "residual"),
         "what cgff minimises: energy, or eq. (10), half the squared residual",
     )
-    cg_beta: str = _choice("FR", ("FR", "PR+", "HS", "DY"), "conjugate gradient coefficient")
+    cg_beta: str = _choice(
+        "FR", ("FR", "PR+", "HS", "DY", "TT", "SP", "HZ"), "conjugate gradient coefficient"
+    )
     preconditioner: str = _choice(
         "auto",
         ("auto", "tangent", "frames", "none"),

@@ -12,15 +12,15 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 1809,
+    "top": 1811,
     "analysis": 2262,
-    "cli": 2835,
+    "cli": 2836,
     "formats": 1445,
     "mechanics": 966,
     "report": 2366,
-    "rivals": 694,
+    "rivals": 757,
     "scene": 4579,
-    "solvers": 2421,
+    "solvers": 2452,
     "study": 2992,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""

@@ -142,7 +142,8 @@ def test_keywords_win_over_the_scenes_own_options_and_those_over_the_defaults():
 
 def test_a_bad_option_is_refused_before_anything_is_solved():
     rows: list[dict] = []
-    with pytest.raises(cgff_cli.OptionError, match="cg_beta must be one of FR, PR\\+, HS, DY, got 'fr'"):
+    refusal = "cg_beta must be one of FR, PR\\+, HS, DY, TT, SP, HZ, got 'fr'"
+    with pytest.raises(cgff_cli.OptionError, match=refusal):
         cgff_cli.solve(str(PRISM), cg_beta="fr", observer=rows.append)
     with pytest.raises(cgff_cli.OptionError, match="unknown solve option 'tol'"):
         cgff_cli.solve(str(PRISM), tol=1e-8, observer=rows.append)

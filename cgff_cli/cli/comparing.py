@@ -19,6 +19,7 @@ RIVALS = {
     "residual": ("cgff-residual", "CGFF on eq. (10), half the squared residual."),
     "lbfgs": ("lbfgs", "scipy's L-BFGS-B on the energy."),
     "dr": ("dr", "Dynamic relaxation with kinetic damping."),
+    "znn": ("znn", "A zeroing neural network, integrated in time."),
     "all": ("all", "Every method that suits the scene."),
 }
 """Flag -> the method it adds, and its help."""

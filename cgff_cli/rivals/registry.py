@@ -11,6 +11,7 @@ from cgff_cli.rivals.fdm import fdm
 from cgff_cli.rivals.schek import schek
 from cgff_cli.rivals.scipy_solvers import fsolve, lbfgs, lm
 from cgff_cli.rivals.task import End, Rival, Task, Trace
+from cgff_cli.rivals.znn import znn
 from cgff_cli.solvers.cgff import run_of
 from cgff_cli.solvers.descent import iterates
 from cgff_cli.solvers.rescues import onward
@@ -65,5 +66,6 @@ REGISTRY = {
     "lm": Entry(lm),
     "lbfgs": Entry(lbfgs),
     "dr": Entry(dynamic_relaxation),
+    "znn": Entry(znn),
 }
 """Method name -> its Entry."""

@@ -4,13 +4,17 @@
 
 A rule returns (a, b, c) from the new point, the old one, the old direction d, and M^-1 as a function; b is
 what the history calls beta. They are the textbook's with the inner product of M^-1 (Hager and Zhang, A
-survey of nonlinear conjugate gradient methods, 2006, table 1).
+survey of nonlinear conjugate gradient methods, 2006, table 1). TT and SP have <g, d> = -<g, z> whatever the
+line search did: the last two terms cancel.
 """
 
 from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+
+HAGER_ZHANG = 0.01
+"""Their eta, which bounds beta from below (Hager and Zhang 2005)."""
 
 
 class Point(NamedTuple):
@@ -47,6 +51,30 @@ def dai_yuan(new: Point, old: Point, d: np.ndarray, solved: Solved) -> Coefficie
     return -1.0, _ratio(new.gz, np.vdot(d, new.g - old.g)), 0.0
 
 
+def three_term(new: Point, old: Point, d: np.ndarray, solved: Solved) -> Coefficients:
+    """Return Polak and Ribiere's beta and c = -<g, d> / <g_old, z_old> (Zhang, Zhou and Li, IMA J. 2006)."""
+    beta = _ratio(np.vdot(new.z, new.g - old.g), old.gz)
+    return -1.0, beta, -_ratio(np.vdot(new.g, d), old.gz)
+
+
+def spectral(new: Point, old: Point, d: np.ndarray, solved: Solved) -> Coefficients:
+    """Return FR's beta and a = -(1 + beta <g, d> / <g, z>) (Zhang, Zhou and Li, Numer. Math. 2006)."""
+    return -1.0 - _ratio(np.vdot(new.g, d), old.gz), _ratio(new.gz, old.gz), 0.0
+
+
+def hager_zhang(new: Point, old: Point, d: np.ndarray, solved: Solved) -> Coefficients:
+    """Return beta = <z, y> / <d, y> - 2 <y, M^-1 y> <g, d> / <d, y>^2, or their bound if greater.
+
+    The bound is -1 / (|d| min(0.01, |g_old|)) in the plain norm (Hager and Zhang, SIAM J. Optim. 2005); the
+    one number here that scales with the objective. Forces are of order one here, as CGFF scales them.
+    """
+    y = new.g - old.g
+    dy, steep = np.vdot(d, y), float(np.linalg.norm(old.g))
+    bend = _ratio(np.vdot(y, solved(y)), dy)
+    beta = _ratio(np.vdot(new.z, y) - 2.0 * bend * np.vdot(new.g, d), dy)
+    return -1.0, max(beta, -_ratio(1.0, float(np.linalg.norm(d)) * min(HAGER_ZHANG, steep))), 0.0
+
+
 def _ratio(above: float, below: float) -> float:
     return float(above / below) if below != 0.0 else 0.0
 
@@ -56,4 +84,7 @@ RULES: dict[str, BetaRule] = {
     "PR+": polak_ribiere_plus,
     "HS": hestenes_stiefel,
     "DY": dai_yuan,
+    "TT": three_term,
+    "SP": spectral,
+    "HZ": hager_zhang,
 }

@@ -28,7 +28,7 @@ def compared() -> Callable[[str], Comparison]:
 
     def get(name: str) -> Comparison:
         if name not in made:
-            made[name] = cgff_cli.compare(STRUCTURES / f"{name}.yaml", ["all"], repeat=1)
+            made[name] = cgff_cli.compare(STRUCTURES / f"{name}.yaml", ["all"], repeat=1, time_limit=2.0)
         return made[name]
 
     return get

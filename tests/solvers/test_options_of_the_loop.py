@@ -6,7 +6,7 @@ import cgff_cli
 from tests.shapes import distance_difference
 from tests.solvers.scenes import SHIPPED, shipped
 
-RULES = ["FR", "PR+", "HS", "DY"]
+RULES = ["FR", "PR+", "HS", "DY", "TT", "SP", "HZ"]
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,61 @@
+"""A zeroing neural network that suppresses noise: the forces are made to die out in a time of their own.
+
+    d eta / dt = -gamma eta - lambda integral of eta      and so, with d eta / dX = -K,
+    K dX/dt = gamma eta + lambda s,    ds/dt = eta        (the kind of Sun et al. 2022, the paper's [22])
+
+The integral takes out a constant noise w on the right, which alone would leave eta = -w / gamma. scipy's
+Runge and Kutta method of order 5 takes the time steps. K has no inverse where a body is free: its
+pseudo-inverse stands for it. The network goes to any equilibrium, stable or not, and gets stuck where K
+loses rank on the way: of soft structures it finds what begins within a thousandth of their lengths.
+
+Of [22] only the abstract is public. gamma sets the unit of time, so 1; lambda = gamma^2 / 4, the least that
+does not swing, the rank tolerance and the accuracy of the steps are ours.
+"""
+
+import numpy as np
+
+from cgff_cli.errors import CgffError
+from cgff_cli.rivals.scipy_solvers import System
+from cgff_cli.rivals.task import End, Task, Trace
+
+GAMMA, LAMBDA = 1.0, 0.25
+
+RANK = 1e-9
+"""Eigenvalues of K below this share of the largest count as none."""
+
+ACCURACY = 1e-3
+"""Error of a time step over the unknowns, the integral too: with noise it bounds what can be reached."""
+
+MOST_UNKNOWNS = 500
+"""Above, the pseudo-inverses, seven each time step, are not made."""
+
+STEPS = 2000
+"""Time steps after which it gives up: where K loses rank on the way, steps shrink and lead nowhere."""
+
+
+def znn(task: Task, trace: Trace, gain: float = LAMBDA, noise: float = 0.0) -> End:
+    """Follow the network from the scene's start; raises CgffError where the scene is too large.
+
+    gain: lambda; noise: constant on each free coordinate of the right side. An iteration is a time step.
+    """
+    from scipy.integrate import RK45
+
+    system = System(task, trace, counts_jacobians=True)
+    count = len(system.start)
+    if count > MOST_UNKNOWNS:
+        raise CgffError(f"its pseudo-inverses are made for up to {MOST_UNKNOWNS} unknowns, here are {count}")
+
+    def rates(t: float, y: np.ndarray) -> np.ndarray:
+        x, total = y[:count], y[count:]
+        eta = -system.gradient(system.state(x))
+        right = GAMMA * eta + gain * total + noise
+        return np.concatenate([np.linalg.pinv(system.jacobian(x), RANK, hermitian=True) @ right, eta])
+
+    begun = np.concatenate([system.start, np.zeros(count)])
+    path = RK45(rates, 0.0, begun, np.inf, rtol=ACCURACY, atol=np.finfo(float).eps)
+    for step in range(STEPS):
+        system.add(step, path.nfev, system.state(path.y[:count]))
+        message = path.step()
+        if path.status == "failed":
+            break
+    return system.ended(path.y[:count], message or f"not there after {STEPS} time steps")
