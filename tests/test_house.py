@@ -19,7 +19,7 @@ BUDGET = {
     "mechanics": 966,
     "report": 2366,
     "rivals": 757,
-    "scene": 4579,
+    "scene": 4587,
     "solvers": 2452,
     "study": 2992,
 }

@@ -1,7 +1,7 @@
 """A zeroing neural network that suppresses noise: the forces are made to die out in a time of their own.
 
     d eta / dt = -gamma eta - lambda integral of eta      and so, with d eta / dX = -K,
-    K dX/dt = gamma eta + lambda s,    ds/dt = eta        (the kind of Sun et al. 2022, the paper's [22])
+    K dX/dt = gamma eta + lambda s,    ds/dt = eta        (the kind of the paper's [22])
 
 The integral takes out a constant noise w on the right, which alone would leave eta = -w / gamma. scipy's
 Runge and Kutta method of order 5 takes the time steps. K has no inverse where a body is free: its

@@ -9,25 +9,14 @@ from typing import Any
 from cgff_cli.hints import meant_or_all, nearest
 from cgff_cli.options import OPTIONS
 from cgff_cli.scene import elements, fields, nodes, physics
-from cgff_cli.scene.actions import (
-    ActionBlock,
-    read_cases,
-    read_combinations,
-    read_gravity,
-    read_loads,
-    read_supports,
-)
 from cgff_cli.scene.fields import CellColumn, is_absent
 from cgff_cli.scene.findings import Findings, quoted
-from cgff_cli.scene.foreign import how_to_convert
 from cgff_cli.scene.keys import Holed, check_keys, is_own, lost
 from cgff_cli.scene.nodes import Nodes
 from cgff_cli.scene.scene import LAWS, Group, Scene
 
-SCENE_KEYS = (
-    *("name", "law", "nodes", "elements", "supports", "loads"),
-    *("gravity", "load_cases", "combinations", "solver"),
-)
+_ACTING = ("supports", "loads", "gravity", "load_cases", "combinations")
+SCENE_KEYS = ("name", "law", "nodes", "elements", *_ACTING, "solver")
 OPTION_RULES = {name: option.metadata["rule"] for name, option in OPTIONS.items()}
 _BLOCKS = ("nodes", "elements", "supports", "loads", "load_cases", "combinations")
 _LAWS_EXPLAINED = "paper (force = EA (l - l0)) or hooke (force = EA (l - l0) / l0)"
@@ -54,10 +43,7 @@ def read_scene(findings: Findings, value: object, path: str, base: str) -> Scene
     read = partial(_block, findings, values, base)
     points: Nodes | None = read("nodes", nodes.read_nodes, nodes.nodes_of_table)
     groups = read("elements", elements.read_elements, elements.groups_of_table, points, law)
-    blocks = {key: ActionBlock(findings, (key,), values.get(key), points, base) for key in SCENE_KEYS}
-    supports, loads = read_supports(blocks["supports"]), read_loads(blocks["loads"])
-    gravity, cases = read_gravity(blocks["gravity"]), read_cases(blocks["load_cases"])
-    combinations = read_combinations(blocks["combinations"], values.get("load_cases"), known)
+    supports, loads, gravity, cases, combinations = _acting(findings, values, points, base, known)
     solver = _solver(findings, values.get("solver"))
     name = _name(findings, values.get("name"), path)
     if points is None:
@@ -88,10 +74,32 @@ def read_scene(findings: Findings, value: object, path: str, base: str) -> Scene
     )
 
 
+def _acting(
+    findings: Findings, values: dict[str, Any], points: Nodes | None, base: str, known: bool
+) -> tuple[Any, ...]:
+    """Return supports, loads, gravity, load cases and combinations, None for what is wrong."""
+    if not any(key in values for key in _ACTING):
+        return {}, {}, None, {}, {}
+    from cgff_cli.scene import actions
+
+    blocks = {key: actions.ActionBlock(findings, (key,), values.get(key), points, base) for key in _ACTING}
+    return (
+        actions.read_supports(blocks["supports"]),
+        actions.read_loads(blocks["loads"]),
+        actions.read_gravity(blocks["gravity"]),
+        actions.read_cases(blocks["load_cases"]),
+        actions.read_combinations(blocks["combinations"], values.get("load_cases"), known),
+    )
+
+
 def _of_a_scene(findings: Findings, value: object, path: str) -> dict[str, Any] | None:
     """Return a mapping that is not the file of another program."""
     values = fields.mapping(findings, (), value, "with law, nodes and elements")
-    stranger = None if values is None else how_to_convert(values, path)
+    if values is None or "law" in values or "elements" in values:
+        return values
+    from cgff_cli.scene.foreign import how_to_convert
+
+    stranger = how_to_convert(values, path)
     if stranger is not None:
         findings.add((), stranger)
         return None
