@@ -76,6 +76,7 @@ def _record(path: str, scene: "Scene | None", problems: Iterable[Problem]) -> di
     if scene is not None:
         elements = range(scene.element_count)
         held = (scene.node_names, elements, scene.groups, scene.supports, scene.loads)
+        held = (*held, scene.load_cases, scene.combinations)
     return {
         "path": title(path),
         "ok": scene is not None,
@@ -87,7 +88,7 @@ def _record(path: str, scene: "Scene | None", problems: Iterable[Problem]) -> di
     }
 
 
-_COUNTED = ("nodes", "elements", "groups", "supports", "loads")
+_COUNTED = ("nodes", "elements", "groups", "supports", "loads", "load_cases", "combinations")
 
 
 def _json(record: dict[str, Any], lines: bool) -> Iterable[str]:
@@ -98,8 +99,9 @@ def _json(record: dict[str, Any], lines: bool) -> Iterable[str]:
 
 def _line(record: dict[str, Any]) -> list[str]:
     """Return what is said of a good scene, wrapped where a terminal is too narrow for it."""
-    nodes, elements, groups, supports, loads = (count(record[noun], noun[:-1]) for noun in _COUNTED)
-    held = f"{supports}, {loads}" if record["loads"] else supports
+    told = {noun: count(record[noun], noun[:-1].replace("_", " ")) for noun in _COUNTED}
+    nodes, elements, groups, supports = (told[noun] for noun in _COUNTED[:4])
+    held = ", ".join([supports, *(told[noun] for noun in _COUNTED[4:] if record[noun])])
     line = (
         f"{record['path']}: ok: {nodes}, {elements} in {groups}, {record['dimension']}-D, {held}, "
         f"law {record['law']}{', a geometry without rest lengths' if record['geometry'] else ''}"
