@@ -15,17 +15,19 @@ def alignment_of(X: np.ndarray, free: np.ndarray) -> str:
     return "rigid" if RigidMotions(X.T, free.T).basis.shape[1] else "none"
 
 
-def laid_over(X: np.ndarray, target: np.ndarray, alignment: str) -> np.ndarray:
-    """Return the shape X (n, d) laid over the target: "rigid", "affine" or "none"."""
+def laid_over(X: np.ndarray, target: np.ndarray, alignment: str, mirror: bool = True) -> np.ndarray:
+    """Return X (n, d) laid over the target: "rigid", "affine" or "none"; mirror: as in `rigidly`."""
     if alignment == "none":
         return X
-    return (rigidly if alignment == "rigid" else affinely)(X, target)
+    return rigidly(X, target, mirror) if alignment == "rigid" else affinely(X, target)
 
 
-def rigidly(X: np.ndarray, target: np.ndarray) -> np.ndarray:
-    """Return X rotated, mirrored where that fits better, and shifted onto the target, least squares."""
+def rigidly(X: np.ndarray, target: np.ndarray, mirror: bool = True) -> np.ndarray:
+    """Return X rotated, mirrored where that is allowed and fits better, and shifted onto the target."""
     A, B = X - X.mean(axis=0), target - target.mean(axis=0)
     left, _, right = np.linalg.svd(A.T @ B)
+    if not mirror and np.linalg.det(left) * np.linalg.det(right) < 0.0:
+        left[:, -1] *= -1.0
     return np.asarray(A @ left @ right + target.mean(axis=0))
 
 

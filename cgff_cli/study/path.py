@@ -176,7 +176,7 @@ class Path:
         return None if there is None else self._off(there, b)
 
     def _off(self, there: np.ndarray, end: PathPoint) -> float:
-        return largest_move(laid_over(end.shape, there, self.alignment), there) / self.size
+        return largest_move(laid_over(end.shape, there, self.alignment, mirror=False), there) / self.size
 
     def predicted(self, a: PathPoint, value: float) -> np.ndarray | None:
         """Return the shape, (n, d), that the tangent stiffness at a point predicts at another value.

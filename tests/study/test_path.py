@@ -8,6 +8,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 import cgff_cli
+from cgff_cli.study.alignment import rigidly
 from cgff_cli.study.path import Path, followed
 from cgff_cli.study.rows import sweep
 from cgff_cli.study.sweep import planned
@@ -214,3 +215,13 @@ def test_what_is_no_path_is_refused(asked: dict[str, object], message: str):
 def test_loads_that_nothing_holds_are_refused_before_the_path_begins():
     with pytest.raises(cgff_cli.OptionError, match=r"loads.n1.z: at 1 nothing can balance the loads"):
         sweep(cgff_cli.load(STRUCTURES / "prism.yaml"), set={"loads.n1.z": "0:2:3"}, follow=True)
+
+
+def test_a_free_body_is_turned_but_not_mirrored_onto_what_is_predicted():
+    X = np.random.default_rng(3).normal(size=(6, 3))
+    turn = np.linalg.qr(np.random.default_rng(4).normal(size=(3, 3)))[0]
+    turn[0] *= np.linalg.det(turn)
+    assert rigidly(X @ turn + 1.0, X, mirror=False) == pytest.approx(X, abs=1e-12)
+    mirrored = X * (1.0, 1.0, -1.0)
+    assert rigidly(mirrored, X) == pytest.approx(X, abs=1e-12)
+    assert np.abs(rigidly(mirrored, X, mirror=False) - X).max() > 0.1
