@@ -75,5 +75,6 @@ def command(scene: str | None, output: str, **values: Any) -> None:
     asked: Shown = figure.Shown(**{name: values[name] for name in figure.Shown._fields})
     result = figure.result_of(scene, asked)
     refuse_inputs(targets, ((path, f"a file of {title(scene)}") for path in result.source.files))
-    warn_of(scene, result.warnings if not result.source.is_geometry else result.source.warnings)
+    unsolved = values["as_given"] or result.source.is_geometry
+    warn_of(scene, (result.source if unsolved else result).warnings)
     figure.write_picture(result, asked, output, form)
