@@ -15,7 +15,7 @@ of a class share one force density: first the scene's groups, then what connecti
 apart, then every member on its own; the first of these that ends well is taken.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -44,7 +44,7 @@ MOST_NODES = 1000
 MOST_NODES_FOR_CLASSES = 120
 
 
-class _Form(NamedTuple):
+class Form(NamedTuple):
     """What one choice of classes led to; fault: why it is no form, if it is none."""
 
     X: np.ndarray
@@ -52,8 +52,17 @@ class _Form(NamedTuple):
     fault: str
 
 
+Rounds = Callable[[Structure, np.ndarray], Iterator[Form]]
+"""Yields the form after every round, members of a class alike; the last one's fault is empty if it is one."""
+
+
 def fdm(task: Task, trace: Trace) -> End:
     """Return a form of the task's connectivity and signs; raises CgffError where there is none."""
+    return form_found(task, trace, _rounds)
+
+
+def form_found(task: Task, trace: Trace, rounds_of: Rounds) -> End:
+    """Return the first form that some rounds end well with, classes of members in turn; raises CgffError."""
     n, b = len(task.structure.coordinates), len(task.structure.start)
     if max(n, b / 3) > MOST_NODES:
         raise CgffError(f"its dense matrices are not made for more than {MOST_NODES} nodes, here {n}")
@@ -61,7 +70,7 @@ def fdm(task: Task, trace: Trace) -> End:
     faults = []
     rounds = 0
     for name, classes in _classes(task):
-        for form in _rounds(task.structure, classes):
+        for form in rounds_of(task.structure, classes):
             rounds += 1
             trace.add(rounds, rounds, form.X)
         if not form.fault:
@@ -76,34 +85,35 @@ def _classes(task: Task) -> Iterator[tuple[str, np.ndarray]]:
     n = len(structure.coordinates)
     yield "group", task.groups
     if n <= MOST_NODES_FOR_CLASSES:
-        classes = member_classes(structure.start, structure.end, _prototype(structure), n)
+        classes = member_classes(structure.start, structure.end, prototype_of(structure), n)
         yield "class of like members", classes
     yield "member", np.arange(len(structure.start))
 
 
-def _prototype(structure: Structure) -> np.ndarray:
+def prototype_of(structure: Structure) -> np.ndarray:
+    """Return (b,) 1 for cables and -1 for struts."""
     return np.where(structure.tension_only, 1.0, -1.0)
 
 
-def _rounds(structure: Structure, classes: np.ndarray) -> Iterator[_Form]:
+def _rounds(structure: Structure, classes: np.ndarray) -> Iterator[Form]:
     """Yield the form after every round; the last one's fault is empty if it is one."""
     n, d = structure.coordinates.shape
     rho_t = dense(structure.start, structure.end, n)
-    q = prototype = _prototype(structure)
-    spread = _spread(classes)
+    q = prototype = prototype_of(structure)
+    spread = spread_of(classes)
     for _ in range(MOST_ROUNDS):
         X, left = unit_coordinates(force_density_matrix(rho_t, q), d)
         V = X.T @ rho_t
         stresses = equilibrium_matrix(rho_t, V) @ spread
         if left <= NULL:
-            yield _Form(X, q, _fault(V, q * prototype, stresses))
+            yield Form(X, q, fault_of(V, q * prototype, stresses))
             return
-        yield _Form(X, q, f"{left:.0e} of the rank of D left after {MOST_ROUNDS} rounds")
-        q = spread @ _nearest(stresses, spread.T @ prototype)
+        yield Form(X, q, f"{left:.0e} of the rank of D left after {MOST_ROUNDS} rounds")
+        q = spread @ nearest_state(stresses, spread.T @ prototype)
         q *= np.sqrt(len(q)) / np.linalg.norm(q)
 
 
-def _spread(classes: np.ndarray) -> np.ndarray:
+def spread_of(classes: np.ndarray) -> np.ndarray:
     """Return (b, c) with orthonormal columns: class values -> member values."""
     spread = np.zeros((len(classes), int(classes.max()) + 1))
     spread[np.arange(len(classes)), classes] = 1.0
@@ -124,7 +134,7 @@ def unit_coordinates(D: np.ndarray, d: int) -> tuple[np.ndarray, float]:
     return vectors[:, :count] * np.sqrt(n), float(np.abs(values[:d]).max()) / largest
 
 
-def _nearest(stresses: np.ndarray, prototype: np.ndarray) -> np.ndarray:
+def nearest_state(stresses: np.ndarray, prototype: np.ndarray) -> np.ndarray:
     """Return the vector of the near null space that is nearest the prototype."""
     _, singular, rows = np.linalg.svd(stresses)
     sizes = np.zeros(len(rows))
@@ -135,7 +145,7 @@ def _nearest(stresses: np.ndarray, prototype: np.ndarray) -> np.ndarray:
     return np.asarray(rows[near].T @ share[near])
 
 
-def _fault(V: np.ndarray, signed: np.ndarray, stresses: np.ndarray) -> str:
+def fault_of(V: np.ndarray, signed: np.ndarray, stresses: np.ndarray) -> str:
     """Return why a D of nullity d + 1 is no form after all, or nothing; signed: q, > 0 of the right sign."""
     lengths = np.linalg.norm(V, axis=0)
     if (signed <= 0.0).any():

@@ -68,6 +68,10 @@ def compare(
     return Comparison(scene, asked | options.to_dict(), task.best, tuple(rows))
 
 
+WITHOUT_SUPPORTS = ("fdm", "afdm", "dsvd")
+"""Methods that find free forms: where supports hold a structure, `schek` stands for them."""
+
+
 def chosen(methods: Iterable[str], has_supports: bool) -> list[str]:
     """Return the methods to run, cgff first, each once; raises OptionError for an unknown name."""
     wanted = ["cgff"]
@@ -75,7 +79,7 @@ def chosen(methods: Iterable[str], has_supports: bool) -> list[str]:
         if name not in (*REGISTRY, "all"):
             raise OptionError(f"unknown method {name!r}; allowed: {', '.join(REGISTRY)}, all")
         wanted += [other for other in REGISTRY if other != "schek"] if name == "all" else [name]
-    told = ["schek" if name == "fdm" and has_supports else name for name in wanted]
+    told = ["schek" if name in WITHOUT_SUPPORTS and has_supports else name for name in wanted]
     return list(dict.fromkeys(told))
 
 
