@@ -1,15 +1,22 @@
 """`cgff view`: one page that shows structures in a browser."""
 
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from cgff_cli.cli.common import ExitCode, SectionCommand, examples, flag, say, title, warn_of, word_options
+from cgff_cli.cli.common import (
+    ExitCode,
+    SectionCommand,
+    examples,
+    flag,
+    say,
+    title,
+    warn_of,
+    word_options,
+    worst,
+)
 from cgff_cli.cli.options import output_flag
 from cgff_cli.cli.targets import check_targets, files_of, form_of_file, refuse_inputs
-from cgff_cli.errors import OptionError
-from cgff_cli.values import ALL_CASES
 
 if TYPE_CHECKING:
     from cgff_cli.result import Result
@@ -55,34 +62,19 @@ def command(ctx: click.Context, scenes: tuple[str, ...], output: str, **values: 
     view.check_threejs()
     shown, code = [], ExitCode.OK
     for path in scenes:
-        for result in _results(path, values["case"], values["as_given"]):
+        for result in view.results_shown(path, values["case"], values["as_given"]):
             source = result.source
             refuse_inputs(targets, ((own, f"a file of {title(path)}") for own in source.files))
             warn_of(path, source.warnings if source.is_geometry else result.warnings)
-            code = max(code, _ended(path, result, values["as_given"]))
+            code = worst(code, _ended(path, result, values["as_given"]))
             shown.append(view.exhibit_of(result, values["modes"]))
     write_output(output, [view.page_of(shown)])
     ctx.exit(code)
 
 
-def _results(path: str, case: str | None, as_given: bool) -> Iterator["Result"]:
-    """Yield what is shown of a file: its one result, or one of every case."""
-    from cgff_cli.cases import solve_cases
-    from cgff_cli.report.figure import Shown, result_of
-    from cgff_cli.scene.read import load
-
-    if case != ALL_CASES or as_given:
-        yield result_of(path, Shown(case=case, as_given=as_given))
-        return
-    scene = load(path)
-    if not scene.cases:
-        raise OptionError(f"{title(path)}: --case all: the scene has no load_cases or combinations")
-    yield from solve_cases(scene, scene.cases)
-
-
 def _ended(path: str, result: "Result", as_given: bool) -> ExitCode:
-    """Say where forces do not balance and return the exit code of one result."""
-    if as_given or result.source.is_geometry or result.converged:
+    """Say where a solve did not converge and return its exit code; what was given may be as it is."""
+    if as_given or result.source.is_answer or result.source.is_geometry or result.converged:
         return ExitCode.OK
     say(f"cgff: {title(path)}: {result.message}")
     return ExitCode.INTERRUPTED if result.interrupted else ExitCode.NOT_CONVERGED

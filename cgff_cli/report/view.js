@@ -26,7 +26,8 @@ function tick(words, more, checked, act) {
 function legend() {
   const groups = now.groups.map(({ name, struts }, i) => {
     const [taut, slack] = now.counts[i];
-    const more = `${taut + slack} ${struts ? "struts, thick" : "cables"}${slack ? `, ${slack} slack, dashed` : ""}`;
+    const kind = (struts ? "strut" : "cable") + (taut + slack === 1 ? "" : "s");
+    const more = `${taut + slack} ${kind}${struts ? ", thick" : ""}${slack ? `; ${slack} slack, dashed` : ""}`;
     return tick(name, more, now.shown[i], (on) => (now.shown[i] = on));
   });
   const there = { supports: now.supports.length, loads: now.loads.length, start: now.start && " " };
@@ -68,6 +69,11 @@ function swing(share) {
   place();
 }
 
+// Pixels that the panel takes of the width, where there is enough of it.
+function beside() {
+  return innerWidth > 700 ? 254 : 0;
+}
+
 // Back off from the middle until every node is within the field of view.
 function fit() {
   fitted = now.frame;
@@ -75,11 +81,12 @@ function fit() {
   const across = new THREE.Vector3().crossVectors(camera.up, back).normalize();
   const up = new THREE.Vector3().crossVectors(back, across);
   const tall = Math.tan((camera.fov * Math.PI) / 360) * 0.9;
+  const wide = (tall * (innerWidth - beside())) / innerHeight;
   let far = 0.1;
   const p = new THREE.Vector3();
   eachNode((n) => {
     p.fromArray(now.places, 3 * n);
-    far = Math.max(far, p.dot(back) + Math.max(Math.abs(p.dot(across)) / camera.aspect, Math.abs(p.dot(up))) / tall);
+    far = Math.max(far, p.dot(back) + Math.max(Math.abs(p.dot(across)) / wide, Math.abs(p.dot(up)) / tall));
   });
   orbit.target.set(0, 0, 0);
   camera.position.copy(back).multiplyScalar(far);
@@ -91,7 +98,7 @@ function resize() {
   renderer.setPixelRatio(devicePixelRatio);
   renderer.setSize(innerWidth, innerHeight, false);
   camera.aspect = innerWidth / innerHeight;
-  camera.updateProjectionMatrix();
+  camera.setViewOffset(innerWidth, innerHeight, -beside() / 2, 0, innerWidth, innerHeight);
   draw();
 }
 

@@ -33,7 +33,7 @@ let now, at; // the result shown, and where its nodes are at this moment
 let field = "force";
 let moving = -1; // the mode that moves, if any
 let dark = matchMedia("(prefers-color-scheme: dark)").matches;
-let parts = [], arrows = null, asked = false, fitted = null;
+let parts = [], asked = false, fitted = null;
 const extras = { supports: true, loads: true, start: false };
 
 // ---- the world -------------------------------------------------------------------------------------------
@@ -78,15 +78,15 @@ function build() {
   parts = lists.flatMap((both, group) => both.flatMap((members, slack) =>
     members.length ? [partOf(group, members, slack, now.groups[group].struts ? thick : thick * 0.4)] : []));
   if (now.owners.length <= TUBES && at.length <= 3 * BALLS) {
+    const ball = 1.2 * Math.max(...parts.map((part) => part.radius), thick * 0.4);
     const balls = solid(new THREE.SphereGeometry(1, 12, 8), at.length / 3, 0x8a8f98);
-    parts.push({ place: () => eachNode((i) => stick(balls, i, at, 3 * i, at, 3 * i, thick * 1.2)), mesh: balls, group: -1 });
+    parts.push({ place: () => eachNode((i) => stick(balls, i, at, 3 * i, at, 3 * i, ball)), mesh: balls, group: -1 });
   }
   const h = 0.02 * Math.min(1, Math.sqrt(60 / (now.supports.length || 1)));
   const feet = solid(new THREE.ConeGeometry(0.6, 1, 4), now.supports.length, 0x7b8089);
   now.supports.forEach((n, i) => stick(feet, i, [at[3 * n], at[3 * n + 1], at[3 * n + 2] - h], 0, at, 3 * n, h));
   parts.push({ mesh: feet, extra: "supports" });
-  arrows = arrowsOf();
-  parts.push(...arrows);
+  parts.push(...arrowsOf());
   if (now.start) parts.push({ mesh: lines(now.start, now.owners.map((_, i) => i), {}), extra: "start" });
   recolour();
   place();
@@ -164,7 +164,7 @@ function arrowsOf() {
   const put = (mesh, from, to, radius) => vectors.forEach((v, k) => {
     const n = 3 * now.loaded[k];
     const back = (share) => v.map((own, axis) => at[n + axis] - own * share);
-    stick(mesh, k, back(from), 0, back(to), 0, radius * long);
+    stick(mesh, k, back(from), 0, back(to), 0, radius * Math.hypot(...v));
   });
   return [
     { mesh: shafts, extra: "loads", place: () => put(shafts, 1, 0.3, 0.02) },

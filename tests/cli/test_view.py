@@ -105,7 +105,8 @@ def test_a_plane_lies_in_the_page_and_a_geometry_has_no_forces(run: Run):
     shown = page.data["results"][0]
     assert floats(shown["places"]).reshape(-1, 3)[:, 1].tolist() == [0.0] * 4
     assert (page.data["frames"][0]["eye"], page.data["frames"][0]["columns"]) == ([0, -1, 0], [0, 2])
-    assert (shown["fields"], shown["told"]) == ([], "a geometry: no forces")
+    assert shown["fields"] == []
+    assert shown["told"].startswith("a geometry without rest lengths")
 
 
 def test_modes_are_those_that_analyse_tells(run: Run):
@@ -238,7 +239,8 @@ def test_what_did_not_converge_is_shown_and_said(run: Run):
     Path("prism.yaml").write_text(Path("prism.yaml").read_text() + "solver: {max_iterations: 1}\n")
     ended = run("view", "prism.yaml", "-o", "page.html")
     assert ended.exit_code == 4
-    assert "max_iterations" in Page(Path("page.html").read_text()).data["results"][0]["told"]
+    page = Page(Path("page.html").read_text())
+    assert page.data["results"][0]["told"].startswith("the forces do not balance: ")
 
 
 @pytest.mark.parametrize(
