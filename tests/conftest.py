@@ -12,7 +12,7 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # as in the background of
 
 
 def pytest_collection_modifyitems(items):
-    for module in ("cvxopt", "distributed", "matplotlib", "meshio", "ezdxf"):
+    for module in ("cvxopt", "distributed", "matplotlib", "jupyter_threejs_sage", "meshio", "ezdxf"):
         if find_spec(module) is None:
             for item in items:
                 if item.get_closest_marker(f"needs_{module}"):

@@ -14,10 +14,10 @@ MOST_LINES_OF_A_FUNCTION = 50
 BUDGET = {
     "top": 1811,
     "analysis": 2262,
-    "cli": 2841,
+    "cli": 2922,
     "formats": 1445,
     "mechanics": 966,
-    "report": 2366,
+    "report": 2551,
     "rivals": 908,
     "scene": 4587,
     "solvers": 2452,

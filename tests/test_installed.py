@@ -51,3 +51,9 @@ def test_a_checkout_has_them_beside_the_package():
 def test_the_pages_beside_the_rooms_stay_in_the_clone(installed: Path):
     assert list((ROOT / "cgff_cli").rglob("*.md"))
     assert not list((installed / "cgff_cli").rglob("*.md"))
+
+
+def test_what_the_page_of_view_is_made_of_is_in_the_package(installed: Path):
+    names = {path.name for path in (ROOT / "cgff_cli" / "report").glob("view*.*")}
+    assert {"view.html", "view.css", "view.js", "view_world.js"} <= names
+    assert all((installed / "cgff_cli" / "report" / name).exists() for name in names)

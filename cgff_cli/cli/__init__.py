@@ -29,6 +29,7 @@ COMMANDS = {
     "prestress": "Find rest lengths that hold a geometry at its own coordinates.",
     "convert": "Turn files of other programs into scenes, and back.",
     "plot": "Draw a structure.",
+    "view": "Show structures in a browser, on one page that needs no network.",
     "check": "Read and validate scenes without solving them.",
     "new": "Write a scene of a family: prisms, towers, nets and others.",
 }
