@@ -1,5 +1,6 @@
 """`cgff view`: one page without a network, its arrays, and what its own script does with them."""
 
+import json
 import re
 from pathlib import Path
 
@@ -235,6 +236,23 @@ def test_slack_is_dashed_and_said_and_many_members_are_lines(run: Run):
     assert net.ask("[now.owners.length > TUBES, parts[0].mesh.type]") == [True, "LineSegments"]
 
 
+def test_standard_output_can_take_the_page(run: Run):
+    ended = run("view", "prism.yaml", "-o", "-")
+    assert (ended.exit_code, ended.stderr) == (0, "")
+    assert Page(ended.stdout).data == page_of(run, "prism.yaml").data
+
+
+@pytest.mark.parametrize("scale", [1e-25, 1e25])
+def test_no_size_is_out_of_range(run: Run, scale: float):
+    pytest.importorskip("py_mini_racer")
+    nodes = {"a": [0.0, 0.0], "b": [3.0 * scale, 4.0 * scale]}
+    groups = {"rope": {"kind": "cable", "EA": 1.0, "pairs": [["a", "b"]]}}
+    Path("rope.yaml").write_text(json.dumps({"law": "hooke", "nodes": nodes, "elements": groups}))
+    stage = Stage(page_of(run, "rope.yaml", "--modes", "0"))
+    assert stage.ask("words({ member: 0 })").splitlines()[2] == f"length {5.0 * scale:.0e}"
+    assert np.linalg.norm(stage.ask("Array.from(at)")[3:]) == pytest.approx(0.5)
+
+
 def test_what_did_not_converge_is_shown_and_said(run: Run):
     Path("prism.yaml").write_text(Path("prism.yaml").read_text() + "solver: {max_iterations: 1}\n")
     ended = run("view", "prism.yaml", "-o", "page.html")
@@ -267,3 +285,10 @@ def test_it_needs_threejs_and_says_which_command_brings_it(run: Run, monkeypatch
     ended = run("view", "prism.yaml", "-o", "a.html")
     told = "cgff: cgff view needs three.js, which is not installed: pip install 'cgff-cli[view]'\n"
     assert (ended.exit_code, ended.stderr) == (2, told)
+
+
+def test_the_script_of_the_page_is_short():
+    for name in ("view.js", "view_world.js"):
+        lines = (Path(view.__file__).parent / name).read_text().splitlines()
+        assert len(lines) <= 250
+        assert max(map(len, lines)) <= 112
