@@ -2,6 +2,7 @@
 
 import json
 import re
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -146,6 +147,23 @@ def test_every_member_is_met_along_its_length_and_every_node_at_its_place(stage:
     assert stage.ask("pick(5, 5)") == {}
 
 
+def test_of_members_that_cross_the_one_in_front_is_met(stage: Stage):
+    spots = np.array(stage.ask("Array.from(seen())")).reshape(-1, 4)
+    pairs = np.array(stage.ask("Array.from(now.pairs)")).reshape(-1, 2)
+    crossed = 0
+    for i, j in combinations(range(len(pairs)), 2):
+        (a, b), (c, d) = spots[pairs[i]], spots[pairs[j]]
+        if set(pairs[i]) & set(pairs[j]):
+            continue
+        share = np.linalg.solve(np.column_stack([b - a, c - d])[:2], (c - a)[:2])
+        if np.all((share > 0.1) & (share < 0.9)):
+            depths = a[2] + share[0] * (b - a)[2], c[2] + share[1] * (d - c)[2]
+            x, y = a[:2] + share[0] * (b - a)[:2]
+            assert stage.ask(f"pick({x}, {y})") == {"member": (i, j)[int(np.argmin(depths))]}
+            crossed += 1
+    assert crossed > 1
+
+
 def test_what_hovers_is_told_in_the_users_numbers(stage: Stage):
     told = stage.ask("words({ member: 11 })").splitlines()
     assert (
@@ -210,12 +228,14 @@ def test_tubes_reach_from_node_to_node(stage: Stage):
         assert turn > 0.0
 
 
-def test_all_nodes_are_within_the_view_and_stay_so_when_turned_by_keys(stage: Stage):
+def test_all_nodes_are_beside_the_panel_and_stay_so_when_turned_by_keys(stage: Stage):
+    middle = stage.ask("new THREE.Vector3().project(camera).toArray()")
+    assert (middle[0] + 1.0) * 600.0 == pytest.approx(254 + (1200 - 254) / 2)
     for keys in ([], ["ArrowLeft"] * 9, ["ArrowUp"] * 40, ["+", "-"], ["Home"]):
         for key in keys:
             stage.do(f"elements.view.fire('keydown', {{ key: '{key}', preventDefault() {{}} }})")
         x, y = np.array(stage.ask("[0, 1, 2, 3, 4, 5].map((n) => pixel(n))")).T
-        assert np.all((x > 0) & (x < 1200) & (y > 0) & (y < 800))
+        assert np.all((x > 254) & (x < 1200) & (y > 0) & (y < 800))
         assert np.ptp(y) > 100
 
 
