@@ -32,7 +32,8 @@ function legend() {
     const more = `${taut + slack} ${kind}${struts ? ", thick" : ""}${dashed}`;
     return tick(name, more, now.shown[i], (on) => (now.shown[i] = on));
   });
-  const there = { supports: now.supports.length, loads: now.loads.length, start: now.start && " " };
+  const loads = now.loads.length > ARROWS ? `${ARROWS} of ${now.loads.length}` : now.loads.length;
+  const there = { supports: now.supports.length, loads, start: now.start && " " };
   const others = Object.keys(extras).filter((name) => there[name]).map((name) =>
     tick(name, name === "start" ? "grey" : String(there[name]), extras[name], (on) => (extras[name] = on)));
   $("legend").replaceChildren($("legend").firstElementChild, ...groups, ...others);
@@ -48,6 +49,7 @@ function show(chosen) {
   choices($("field"), now.fields.map((own) => own.name), now.fields.findIndex((own) => own.name === field));
   choices($("mode"), ["still", ...now.modes.map((mode) => mode.name)], moving + 1);
   $("reach").parentNode.hidden = !now.modes.length;
+  $("tip").hidden = true;
   legend();
   build();
   if (fitted !== now.frame) fit();

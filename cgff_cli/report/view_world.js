@@ -23,6 +23,7 @@ for (const r of page.results) {
 
 const TUBES = 5000; // members drawn as tubes; of more, lines
 const BALLS = 2000; // nodes drawn as balls
+const ARROWS = 150; // loads drawn; of more, evenly chosen ones
 const REACH = 8; // pixels from the pointer to what it means
 const INKS = {
   light: { push: [31, 95, 168], none: [180, 180, 180], pull: [200, 80, 30], paper: 0xffffff, start: 0xc9c9c9 },
@@ -159,16 +160,18 @@ function stick(mesh, k, a, i, b, j, radius) {
 function arrowsOf() {
   const { columns } = page.frames[now.frame];
   const most = now.loads.reduce((so, load) => Math.max(so, Math.hypot(...load)), 0);
-  const long = now.loads.length > 150 ? 0.05 : 0.1;
-  const vectors = now.loads.map((load) => {
+  const step = Math.max(1, now.loads.length / ARROWS);
+  const drawn = Array.from({ length: Math.min(ARROWS, now.loads.length) }, (_, k) => Math.floor(k * step));
+  const long = step > 1 ? 0.06 : 0.1;
+  const vectors = drawn.map((row) => {
     const vector = [0, 0, 0];
-    load.forEach((own, axis) => (vector[columns[axis]] = (own / most) * long));
+    now.loads[row].forEach((own, axis) => (vector[columns[axis]] = (own / most) * long));
     return vector;
   });
   const shafts = solid(new THREE.CylinderGeometry(1, 1, 1, 6), vectors.length, 0x2a7f62);
   const heads = solid(new THREE.ConeGeometry(1, 1, 10), vectors.length, 0x2a7f62);
   const put = (mesh, from, to, radius) => vectors.forEach((v, k) => {
-    const n = 3 * now.loaded[k];
+    const n = 3 * now.loaded[drawn[k]];
     const back = (share) => v.map((own, axis) => at[n + axis] - own * share);
     stick(mesh, k, back(from), 0, back(to), 0, radius * Math.hypot(...v));
   });

@@ -229,7 +229,7 @@ def test_tubes_reach_from_node_to_node(stage: Stage):
 
 
 def test_all_nodes_are_beside_the_panel_and_stay_so_when_turned_by_keys(stage: Stage):
-    middle = stage.ask("new THREE.Vector3().project(camera).toArray()")
+    middle = stage.ask("(camera.updateMatrixWorld(), new THREE.Vector3().project(camera).toArray())")
     assert (middle[0] + 1.0) * 600.0 == pytest.approx(254 + (1200 - 254) / 2)
     for keys in ([], ["ArrowLeft"] * 9, ["ArrowUp"] * 40, ["+", "-"], ["Home"]):
         for key in keys:
@@ -251,9 +251,12 @@ def test_slack_is_dashed_and_said_and_many_members_are_lines(run: Run):
     assert roof.ask("words({ member: 3 })").splitlines()[1] == "cables: cable, slack"
     assert "1 slack, dashed" in roof.ask("elements.legend.children[2].children[2].textContent")
     assert roof.ask("words({ node: 1 })").splitlines()[3] == "load 0, -1"
-    run("new", "net", "--side", "52", "-o", "net.yaml")
+    run("new", "net", "--side", "52", "--snow", "0.1", "-o", "net.yaml")
     net = Stage(page_of(run, "net.yaml", "--as-given", "--modes", "0"))
     assert net.ask("[now.owners.length > TUBES, parts[0].mesh.type]") == [True, "LineSegments"]
+    arrows = "parts.filter((part) => part.extra === 'loads').map((part) => part.mesh.count)"
+    assert (roof.ask(arrows), net.ask(arrows)) == ([1, 1], [150, 150])
+    assert net.ask("elements.legend.children.at(-1).children[2].textContent") == "150 of 2500"
 
 
 def test_standard_output_can_take_the_page(run: Run):
