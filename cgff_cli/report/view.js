@@ -13,7 +13,8 @@ function element(tag, own, ...children) {
 }
 
 function choices(select, names, chosen) {
-  select.replaceChildren(...names.map((name, i) => element("option", { value: i, textContent: name, selected: i === chosen })));
+  const option = (name, i) => element("option", { value: i, textContent: name, selected: i === chosen });
+  select.replaceChildren(...names.map(option));
   select.parentNode.hidden = names.length < 2;
 }
 
@@ -27,17 +28,19 @@ function legend() {
   const groups = now.groups.map(({ name, struts }, i) => {
     const [taut, slack] = now.counts[i];
     const kind = (struts ? "strut" : "cable") + (taut + slack === 1 ? "" : "s");
-    const more = `${taut + slack} ${kind}${struts ? ", thick" : ""}${slack ? `; ${slack} slack, dashed` : ""}`;
+    const dashed = slack ? `; ${slack} slack, dashed` : "";
+    const more = `${taut + slack} ${kind}${struts ? ", thick" : ""}${dashed}`;
     return tick(name, more, now.shown[i], (on) => (now.shown[i] = on));
   });
-  const there = { supports: now.supports.length, loads: now.loads.length, start: now.start && " " };
+  const loads = now.loads.length > ARROWS ? `${ARROWS} of ${now.loads.length}` : now.loads.length;
+  const there = { supports: now.supports.length, loads, start: now.start && " " };
   const others = Object.keys(extras).filter((name) => there[name]).map((name) =>
     tick(name, name === "start" ? "grey" : String(there[name]), extras[name], (on) => (extras[name] = on)));
   $("legend").replaceChildren($("legend").firstElementChild, ...groups, ...others);
 }
 
-function show(number) {
-  now = page.results[number];
+function show(chosen) {
+  now = page.results[chosen];
   at = now.places.slice();
   moving = Math.min(moving, now.modes.length - 1);
   if (!now.fields.some((own) => own.name === field)) field = "force";
@@ -46,6 +49,7 @@ function show(number) {
   choices($("field"), now.fields.map((own) => own.name), now.fields.findIndex((own) => own.name === field));
   choices($("mode"), ["still", ...now.modes.map((mode) => mode.name)], moving + 1);
   $("reach").parentNode.hidden = !now.modes.length;
+  $("tip").hidden = true;
   legend();
   build();
   if (fitted !== now.frame) fit();
@@ -104,7 +108,8 @@ function resize() {
 
 // Keys: turn about the target, zoom, or move it.
 function key(event) {
-  const [across, up] = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key] || [0, 0];
+  const ways = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+  const [across, up] = ways[event.key] || [0, 0];
   const offset = camera.position.clone().sub(orbit.target);
   if (event.key === "Home") return fit();
   if (event.key === "+" || event.key === "=") offset.multiplyScalar(0.9);
@@ -116,7 +121,8 @@ function key(event) {
   } else {
     const angle = Math.min(Math.max(offset.angleTo(camera.up) - 0.08 * up, 0.01), 3.13);
     const axis = new THREE.Vector3().crossVectors(camera.up, offset).normalize();
-    offset.copy(camera.up).applyAxisAngle(axis, angle).multiplyScalar(camera.position.distanceTo(orbit.target));
+    const far = offset.length();
+    offset.copy(camera.up).multiplyScalar(far).applyAxisAngle(axis, angle);
     offset.applyAxisAngle(camera.up, 0.08 * across);
   }
   camera.position.copy(orbit.target).add(offset);
@@ -132,10 +138,12 @@ function seen() {
   camera.updateMatrixWorld();
   const m = new THREE.Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse).elements;
   const spots = new Float32Array((at.length / 3) * 4);
+  const row = (k, n) => m[k] * at[n] + m[k + 4] * at[n + 1] + m[k + 8] * at[n + 2] + m[k + 12];
   eachNode((n) => {
-    const [x, y, z] = [at[3 * n], at[3 * n + 1], at[3 * n + 2]];
-    const [w, px, py] = [3, 0, 1].map((row) => m[row] * x + m[row + 4] * y + m[row + 8] * z + m[row + 12]);
-    spots.set([(1 + px / w) * 0.5 * innerWidth, (1 - py / w) * 0.5 * innerHeight, w, 0], 4 * n);
+    const w = row(3, 3 * n);
+    spots[4 * n] = (1 + row(0, 3 * n) / w) * 0.5 * innerWidth;
+    spots[4 * n + 1] = (1 - row(1, 3 * n) / w) * 0.5 * innerHeight;
+    spots[4 * n + 2] = w;
   });
   return spots;
 }
@@ -170,16 +178,19 @@ function pick(x, y) {
 function words({ member, node }) {
   const { names, middle, size, columns } = page.frames[now.frame];
   if (node !== undefined) {
-    const place = columns.map((column, k) => `${"xyz"[k]} ${number(middle[column] + size * now.places[3 * node + column])}`);
+    const place = columns.map((column) => number(middle[column] + size * now.places[3 * node + column]));
     const load = now.loads[now.loaded.indexOf(node)];
-    const more = [...(load ? [`load ${load.map(number).join(", ")}`] : []), ...(now.supports.includes(node) ? ["supported"] : [])];
-    return [names[node], ...place, ...more].join("\n");
+    const told = [names[node], ...place.map((own, axis) => `${"xyz"[axis]} ${own}`)];
+    if (load) told.push(`load ${load.map(number).join(", ")}`);
+    if (now.supports.includes(node)) told.push("supported");
+    return told.join("\n");
   }
   const [a, b] = [names[now.pairs[2 * member]], names[now.pairs[2 * member + 1]]];
   const group = now.groups[now.owners[member]];
   const kind = `${group.struts ? "strut" : "cable"}${now.slack[member] ? ", slack" : ""}`;
   const told = [...now.fields, { name: "length", ...now.lengths }];
-  return [`${a} - ${b}`, `${group.name}: ${kind}`, ...told.map((own) => `${own.name} ${number(own.values[member] * own.most)}`)].join("\n");
+  const values = told.map((own) => `${own.name} ${number(own.values[member] * own.most)}`);
+  return [`${a} - ${b}`, `${group.name}: ${kind}`, ...values].join("\n");
 }
 
 function hover(event) {
@@ -196,7 +207,10 @@ function hover(event) {
 
 choices($("result"), page.results.map((r) => r.title), 0);
 $("result").addEventListener("change", (event) => show(Number(event.target.value)));
-$("field").addEventListener("change", (event) => { field = now.fields[event.target.value].name; recolour(); });
+$("field").addEventListener("change", (event) => {
+  field = now.fields[event.target.value].name;
+  recolour();
+});
 $("mode").addEventListener("change", (event) => {
   moving = Number(event.target.value) - 1;
   at.set(now.places);

@@ -81,7 +81,7 @@ def page_of(shown: Sequence[Exhibit]) -> str:
         "policy": f"default-src 'none'; script-src {scripts}; style-src {_digest(style)}",
         "title": html.escape(shown[0].drawing.title),
         "style": style,
-        "data": json.dumps(_data(shown), separators=(",", ":")).replace("<", "\\u003c"),
+        "data": json.dumps(_data(shown), separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
         "library": library,
         "script": script,
     }
@@ -120,7 +120,7 @@ def _frame(names: tuple[str, ...], drawings: list[Drawing]) -> tuple[dict[str, A
     """Return a frame, its middle (3,) and its size, the diagonal of the box around all its shapes."""
     X = np.concatenate([_in_space(drawing.coordinates) for drawing in drawings])
     least, greatest = X.min(axis=0), X.max(axis=0)
-    middle, size = least / 2.0 + greatest / 2.0, float(np.linalg.norm(greatest - least)) or 1.0
+    middle, size = (least + greatest) / 2.0, float(np.linalg.norm(greatest - least)) or 1.0
     shape = drawings[0].coordinates
     is_plane = shape.shape[1] == 2
     frame = {

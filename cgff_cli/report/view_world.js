@@ -23,10 +23,11 @@ for (const r of page.results) {
 
 const TUBES = 5000; // members drawn as tubes; of more, lines
 const BALLS = 2000; // nodes drawn as balls
+const ARROWS = 150; // loads drawn; of more, evenly chosen ones
 const REACH = 8; // pixels from the pointer to what it means
 const INKS = {
-  light: { paper: 0xffffff, push: [31, 95, 168], none: [180, 180, 180], pull: [200, 80, 30], ghost: 0xc9c9c9 },
-  dark: { paper: 0x14171c, push: [91, 155, 230], none: [112, 118, 128], pull: [255, 132, 66], ghost: 0x4a505a },
+  light: { push: [31, 95, 168], none: [180, 180, 180], pull: [200, 80, 30], paper: 0xffffff, start: 0xc9c9c9 },
+  dark: { push: [91, 155, 230], none: [112, 118, 128], pull: [255, 132, 66], paper: 0x14171c, start: 0x4a505a },
 };
 
 let now, at; // the result shown, and where its nodes are at this moment
@@ -74,17 +75,19 @@ function build() {
   now.owners.forEach((group, i) => lists[group][now.slack[i]].push(i));
   const lengths = [...now.lengths.values].sort((a, b) => a - b);
   const usual = (lengths[lengths.length >> 1] * now.lengths.most) / page.frames[now.frame].size;
-  const thick = Math.min(0.008, usual / 18);
+  const thick = Math.max(Math.min(0.008, usual / 18), 0.002); // a cable is about a pixel wide at least
   parts = lists.flatMap((both, group) => both.flatMap((members, slack) =>
     members.length ? [partOf(group, members, slack, now.groups[group].struts ? thick : thick * 0.4)] : []));
   if (now.owners.length <= TUBES && at.length <= 3 * BALLS) {
     const ball = 1.2 * Math.max(...parts.map((part) => part.radius), thick * 0.4);
     const balls = solid(new THREE.SphereGeometry(1, 12, 8), at.length / 3, 0x8a8f98);
-    parts.push({ place: () => eachNode((i) => stick(balls, i, at, 3 * i, at, 3 * i, ball)), mesh: balls, group: -1 });
+    const put = (n) => stick(balls, n, at, 3 * n, at, 3 * n, ball);
+    parts.push({ mesh: balls, group: -1, place: () => eachNode(put) });
   }
   const h = 0.02 * Math.min(1, Math.sqrt(60 / (now.supports.length || 1)));
   const feet = solid(new THREE.ConeGeometry(0.6, 1, 4), now.supports.length, 0x7b8089);
-  now.supports.forEach((n, i) => stick(feet, i, [at[3 * n], at[3 * n + 1], at[3 * n + 2] - h], 0, at, 3 * n, h));
+  const foot = (n) => [at[3 * n], at[3 * n + 1], at[3 * n + 2] - h];
+  now.supports.forEach((n, i) => stick(feet, i, foot(n), 0, at, 3 * n, h));
   parts.push({ mesh: feet, extra: "supports" });
   parts.push(...arrowsOf());
   if (now.start) parts.push({ mesh: lines(now.start, now.owners.map((_, i) => i), {}), extra: "start" });
@@ -98,12 +101,15 @@ function partOf(group, members, slack, radius) {
     const mesh = lines(at, members, slack ? { dashSize: 0.012, gapSize: 0.009 } : {});
     mesh.geometry.setAttribute("color", new THREE.BufferAttribute(new Float32Array(6 * members.length), 3));
     mesh.material.vertexColors = true;
-    return { group, members, mesh, radius: 0, colours: mesh.geometry.attributes.color, ends: 2, place: () => follow(mesh, members) };
+    const colours = mesh.geometry.attributes.color;
+    return { group, members, mesh, radius: 0, colours, ends: 2, place: () => follow(mesh, members) };
   }
-  const mesh = solid(new THREE.CylinderGeometry(1, 1, 1, now.owners.length > 1000 ? 6 : 12), members.length, 0xffffff);
+  const many = now.owners.length > 1000; // then without caps
+  const mesh = solid(new THREE.CylinderGeometry(1, 1, 1, many ? 5 : 12, 1, many), members.length, 0xffffff);
   mesh.instanceColor = new THREE.InstancedBufferAttribute(new Float32Array(3 * members.length), 3);
   const put = (i, k) => stick(mesh, k, at, 3 * now.pairs[2 * i], at, 3 * now.pairs[2 * i + 1], radius);
-  return { group, members, mesh, radius, colours: mesh.instanceColor, ends: 1, place: () => members.forEach(put) };
+  const colours = mesh.instanceColor;
+  return { group, members, mesh, radius, colours, ends: 1, place: () => members.forEach(put) };
 }
 
 function solid(geometry, count, color) {
@@ -144,7 +150,8 @@ function stick(mesh, k, a, i, b, j, radius) {
   const wide = radius / Math.hypot(...side);
   const [p, q, r] = side.map((own) => own * wide);
   const m = mesh.instanceMatrix.array;
-  m.set([p, q, r, 0, x * high, y * high, z * high, 0, q * z - r * y, r * x - p * z, p * y - q * x, 0], 16 * k);
+  m.set([p, q, r, 0, x * high, y * high, z * high, 0], 16 * k);
+  m.set([q * z - r * y, r * x - p * z, p * y - q * x, 0], 16 * k + 8);
   for (let axis = 0; axis < 3; axis++) m[16 * k + 12 + axis] = (a[i + axis] + b[j + axis]) / 2;
   m[16 * k + 15] = 1;
   mesh.instanceMatrix.needsUpdate = true;
@@ -152,17 +159,19 @@ function stick(mesh, k, a, i, b, j, radius) {
 
 function arrowsOf() {
   const { columns } = page.frames[now.frame];
-  const most = Math.max(...now.loads.map((load) => Math.hypot(...load)));
-  const long = now.loads.length > 150 ? 0.05 : 0.1;
-  const vectors = now.loads.map((load) => {
+  const most = now.loads.reduce((so, load) => Math.max(so, Math.hypot(...load)), 0);
+  const step = Math.max(1, now.loads.length / ARROWS);
+  const drawn = Array.from({ length: Math.min(ARROWS, now.loads.length) }, (_, k) => Math.floor(k * step));
+  const long = step > 1 ? 0.06 : 0.1;
+  const vectors = drawn.map((row) => {
     const vector = [0, 0, 0];
-    load.forEach((own, axis) => (vector[columns[axis]] = (own / most) * long));
+    now.loads[row].forEach((own, axis) => (vector[columns[axis]] = (own / most) * long));
     return vector;
   });
   const shafts = solid(new THREE.CylinderGeometry(1, 1, 1, 6), vectors.length, 0x2a7f62);
   const heads = solid(new THREE.ConeGeometry(1, 1, 10), vectors.length, 0x2a7f62);
   const put = (mesh, from, to, radius) => vectors.forEach((v, k) => {
-    const n = 3 * now.loaded[k];
+    const n = 3 * now.loaded[drawn[k]];
     const back = (share) => v.map((own, axis) => at[n + axis] - own * share);
     stick(mesh, k, back(from), 0, back(to), 0, radius * Math.hypot(...v));
   });
@@ -182,7 +191,8 @@ function place() {
 }
 
 function toggle() {
-  for (const part of parts) part.mesh.visible = part.extra ? extras[part.extra] : part.group < 0 || now.shown[part.group];
+  for (const { mesh, extra, group } of parts)
+    mesh.visible = extra ? extras[extra] : group < 0 || now.shown[group];
   draw();
 }
 
@@ -204,7 +214,7 @@ function recolour() {
     });
     colours.needsUpdate = true;
   }
-  for (const { mesh } of parts.filter((part) => part.extra === "start")) mesh.material.color.set(ink().ghost);
+  for (const { mesh } of parts.filter((part) => part.extra === "start")) mesh.material.color.set(ink().start);
   world.background = new THREE.Color(ink().paper);
   document.documentElement.className = dark ? "dark" : "";
   $("scale").hidden = !own;
@@ -219,5 +229,7 @@ function scaleOf(own) {
   $("scale-name").textContent = own.name + (own.name === "force" ? ", tension > 0" : "");
   $("scale-bar").style.background = `linear-gradient(90deg, ${colours})`;
   const ends = [least, least < 0 && greatest > 0 ? 0 : null, greatest];
-  [...$("scale-ends").children].forEach((span, i) => (span.textContent = ends[i] === null ? "" : number(ends[i])));
+  [...$("scale-ends").children].forEach((span, i) => {
+    span.textContent = ends[i] === null ? "" : number(ends[i]);
+  });
 }

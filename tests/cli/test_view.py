@@ -1,6 +1,8 @@
 """`cgff view`: one page without a network, its arrays, and what its own script does with them."""
 
+import json
 import re
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -145,6 +147,23 @@ def test_every_member_is_met_along_its_length_and_every_node_at_its_place(stage:
     assert stage.ask("pick(5, 5)") == {}
 
 
+def test_of_members_that_cross_the_one_in_front_is_met(stage: Stage):
+    spots = np.array(stage.ask("Array.from(seen())")).reshape(-1, 4)
+    pairs = np.array(stage.ask("Array.from(now.pairs)")).reshape(-1, 2)
+    crossed = 0
+    for i, j in combinations(range(len(pairs)), 2):
+        (a, b), (c, d) = spots[pairs[i]], spots[pairs[j]]
+        if set(pairs[i]) & set(pairs[j]):
+            continue
+        share = np.linalg.solve(np.column_stack([b - a, c - d])[:2], (c - a)[:2])
+        if np.all((share > 0.1) & (share < 0.9)):
+            depths = a[2] + share[0] * (b - a)[2], c[2] + share[1] * (d - c)[2]
+            x, y = a[:2] + share[0] * (b - a)[:2]
+            assert stage.ask(f"pick({x}, {y})") == {"member": (i, j)[int(np.argmin(depths))]}
+            crossed += 1
+    assert crossed > 1
+
+
 def test_what_hovers_is_told_in_the_users_numbers(stage: Stage):
     told = stage.ask("words({ member: 11 })").splitlines()
     assert (
@@ -209,12 +228,14 @@ def test_tubes_reach_from_node_to_node(stage: Stage):
         assert turn > 0.0
 
 
-def test_all_nodes_are_within_the_view_and_stay_so_when_turned_by_keys(stage: Stage):
+def test_all_nodes_are_beside_the_panel_and_stay_so_when_turned_by_keys(stage: Stage):
+    middle = stage.ask("(camera.updateMatrixWorld(), new THREE.Vector3().project(camera).toArray())")
+    assert (middle[0] + 1.0) * 600.0 == pytest.approx(254 + (1200 - 254) / 2)
     for keys in ([], ["ArrowLeft"] * 9, ["ArrowUp"] * 40, ["+", "-"], ["Home"]):
         for key in keys:
             stage.do(f"elements.view.fire('keydown', {{ key: '{key}', preventDefault() {{}} }})")
         x, y = np.array(stage.ask("[0, 1, 2, 3, 4, 5].map((n) => pixel(n))")).T
-        assert np.all((x > 0) & (x < 1200) & (y > 0) & (y < 800))
+        assert np.all((x > 254) & (x < 1200) & (y > 0) & (y < 800))
         assert np.ptp(y) > 100
 
 
@@ -230,9 +251,29 @@ def test_slack_is_dashed_and_said_and_many_members_are_lines(run: Run):
     assert roof.ask("words({ member: 3 })").splitlines()[1] == "cables: cable, slack"
     assert "1 slack, dashed" in roof.ask("elements.legend.children[2].children[2].textContent")
     assert roof.ask("words({ node: 1 })").splitlines()[3] == "load 0, -1"
-    run("new", "net", "--side", "52", "-o", "net.yaml")
+    run("new", "net", "--side", "52", "--snow", "0.1", "-o", "net.yaml")
     net = Stage(page_of(run, "net.yaml", "--as-given", "--modes", "0"))
     assert net.ask("[now.owners.length > TUBES, parts[0].mesh.type]") == [True, "LineSegments"]
+    arrows = "parts.filter((part) => part.extra === 'loads').map((part) => part.mesh.count)"
+    assert (roof.ask(arrows), net.ask(arrows)) == ([1, 1], [150, 150])
+    assert net.ask("elements.legend.children.at(-1).children[2].textContent") == "150 of 2500"
+
+
+def test_standard_output_can_take_the_page(run: Run):
+    ended = run("view", "prism.yaml", "-o", "-")
+    assert (ended.exit_code, ended.stderr) == (0, "")
+    assert Page(ended.stdout).data == page_of(run, "prism.yaml").data
+
+
+@pytest.mark.parametrize("scale", [1e-25, 1e25])
+def test_no_size_is_out_of_range(run: Run, scale: float):
+    pytest.importorskip("py_mini_racer")
+    nodes = {"a": [0.0, 0.0], "b": [3.0 * scale, 4.0 * scale]}
+    groups = {"rope": {"kind": "cable", "EA": 1.0, "pairs": [["a", "b"]]}}
+    Path("rope.yaml").write_text(json.dumps({"law": "hooke", "nodes": nodes, "elements": groups}))
+    stage = Stage(page_of(run, "rope.yaml", "--modes", "0"))
+    assert stage.ask("words({ member: 0 })").splitlines()[2] == f"length {5.0 * scale:.0e}"
+    assert np.linalg.norm(stage.ask("Array.from(at)")[3:]) == pytest.approx(0.5)
 
 
 def test_what_did_not_converge_is_shown_and_said(run: Run):
@@ -267,3 +308,10 @@ def test_it_needs_threejs_and_says_which_command_brings_it(run: Run, monkeypatch
     ended = run("view", "prism.yaml", "-o", "a.html")
     told = "cgff: cgff view needs three.js, which is not installed: pip install 'cgff-cli[view]'\n"
     assert (ended.exit_code, ended.stderr) == (2, told)
+
+
+def test_the_script_of_the_page_is_short():
+    for name in ("view.js", "view_world.js"):
+        lines = (Path(view.__file__).parent / name).read_text().splitlines()
+        assert len(lines) <= 250
+        assert max(map(len, lines)) <= 112
