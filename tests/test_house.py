@@ -14,7 +14,7 @@ MOST_LINES_OF_A_FUNCTION = 50
 BUDGET = {
     "top": 1809,
     "analysis": 2262,
-    "cli": 2916,
+    "cli": 2918,
     "formats": 1445,
     "mechanics": 966,
     "report": 2551,
