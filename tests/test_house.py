@@ -14,7 +14,7 @@ MOST_LINES_OF_A_FUNCTION = 50
 BUDGET = {
     "top": 1811,
     "analysis": 2262,
-    "cli": 2923,
+    "cli": 2929,
     "formats": 1445,
     "mechanics": 966,
     "report": 2551,

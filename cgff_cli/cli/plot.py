@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from cgff_cli.cli.common import SectionCommand, examples, flag, title, warn_of, word_options
+from cgff_cli.cli.common import ExitCode, SectionCommand, examples, flag, say, title, warn_of, word_options
 from cgff_cli.cli.options import Checked, output_flag
 from cgff_cli.cli.targets import check_targets, files_of, form_of_file, refuse_inputs
 
@@ -53,7 +53,8 @@ def _view(text: str) -> Any:
     help="What a sweep found against what it swept, instead of a structure.",
 )
 @word_options
-def command(scene: str | None, output: str, **values: Any) -> None:
+@click.pass_context
+def command(ctx: click.Context, scene: str | None, output: str, **values: Any) -> None:
     """Draw a structure.
 
     A scene is solved, and drawn with its start in grey; a result is drawn as it is, and so is a geometry.
@@ -78,3 +79,6 @@ def command(scene: str | None, output: str, **values: Any) -> None:
     unsolved = values["as_given"] or result.source.is_geometry
     warn_of(scene, (result.source if unsolved else result).warnings)
     figure.write_picture(result, asked, output, form)
+    if not (unsolved or result.source.is_answer or result.converged):
+        say(f"cgff: {title(scene)}: {result.message}")
+        ctx.exit(ExitCode.INTERRUPTED if result.interrupted else ExitCode.NOT_CONVERGED)

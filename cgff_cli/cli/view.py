@@ -61,13 +61,15 @@ def command(ctx: click.Context, scenes: tuple[str, ...], output: str, **values: 
     targets = check_targets([(output, "the page")], files_of(scenes))
     view.check_threejs()
     shown, code = [], ExitCode.OK
-    for path in scenes:
-        for result in view.results_shown(path, values["case"], values["as_given"]):
-            source = result.source
-            refuse_inputs(targets, ((own, f"a file of {title(path)}") for own in source.files))
-            warn_of(path, source.warnings if source.is_geometry else result.warnings)
-            code = worst(code, _ended(path, result, values["as_given"]))
-            shown.append(view.exhibit_of(result, values["modes"]))
+    given = values["case"], values["as_given"]
+    for path, result in ((own, found) for own in scenes for found in view.results_shown(own, *given)):
+        source = result.source
+        refuse_inputs(targets, ((own, f"a file of {title(path)}") for own in source.files))
+        warn_of(path, source.warnings if source.is_geometry else result.warnings)
+        code = worst(code, _ended(path, result, values["as_given"]))
+        shown.append(view.exhibit_of(result, 0 if result.interrupted else values["modes"]))
+        if result.interrupted:
+            break
     write_output(output, [view.page_of(shown)])
     ctx.exit(code)
 

@@ -158,3 +158,11 @@ def test_a_result_read_again_knows_that_it_is_one(run: Run):
     assert cgff_cli.load("prism.json", results=True).is_answer
     assert not cgff_cli.load("prism.yaml", results=True).is_answer
     assert json.loads(Path("prism.json").read_text())["schema"] == "cgff-result/1"
+
+
+def test_what_did_not_converge_is_drawn_and_said(run: Run):
+    Path("hard.yaml").write_text(SLACK + "solver: {max_iterations: 1}\n")
+    ended = run("plot", "hard.yaml", "-o", "a.svg")
+    assert (ended.exit_code, "iteration" in ended.stderr) == (4, True)
+    assert Path("a.svg").exists()
+    assert run("plot", "hard.yaml", "--as-given", "-o", "a.svg").exit_code == 0

@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 
@@ -9,7 +10,8 @@ import numpy as np
 import pytest
 
 import cgff_cli
-from cgff_cli.report import view
+from cgff_cli.report import figure, view
+from cgff_cli.solvers.stopping import Verdict
 from tests.cli.conftest import Run
 from tests.cli.page_of_view import Page, Stage, floats, rows
 
@@ -282,6 +284,27 @@ def test_what_did_not_converge_is_shown_and_said(run: Run):
     assert ended.exit_code == 4
     page = Page(Path("page.html").read_text())
     assert page.data["results"][0]["told"].startswith("the forces do not balance: ")
+
+
+def test_an_interrupted_solve_is_shown_as_far_as_it_came_and_ends_the_command(
+    run: Run, monkeypatch: pytest.MonkeyPatch
+):
+    real = cgff_cli.solve("prism.yaml", max_iterations=1)
+    cut = replace(real, solution=replace(real.solution, verdict=Verdict.INTERRUPTED))
+    monkeypatch.setattr(figure.pipeline, "solve", lambda scene: cut)
+    ended = run("view", "prism.yaml", "bracket.yaml", "-o", "page.html")
+    assert ended.exit_code == 130
+    shown = Page(Path("page.html").read_text()).data["results"]
+    assert [own["title"] for own in shown] == ["Triangular prism, Table IV"]
+
+
+def test_an_element_without_rest_length_has_no_strain_to_tell(run: Run):
+    pytest.importorskip("py_mini_racer")
+    text = Path("prism.yaml").read_text().replace("2.982679491924", "0.0")
+    Path("prism.yaml").write_text(text)
+    run("view", "prism.yaml", "-o", "page.html")
+    stage = Stage(Page(Path("page.html").read_text()))
+    assert stage.ask("words({ member: 0 })").splitlines()[4] == "strain none"
 
 
 @pytest.mark.parametrize(
