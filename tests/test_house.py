@@ -14,14 +14,14 @@ MOST_LINES_OF_A_FUNCTION = 50
 BUDGET = {
     "top": 1811,
     "analysis": 2262,
-    "cli": 2838,
+    "cli": 2839,
     "formats": 1445,
     "mechanics": 966,
-    "report": 2366,
-    "rivals": 757,
+    "report": 2368,
+    "rivals": 917,
     "scene": 4587,
     "solvers": 2452,
-    "study": 2994,
+    "study": 2996,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""
 

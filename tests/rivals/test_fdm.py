@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import cgff_cli
-from cgff_cli.rivals.fdm import unit_coordinates
+from cgff_cli.rivals.forms import spectrum, unit_coordinates
 from cgff_cli.rivals.symmetry import member_classes
 from cgff_cli.scene.scene import Group, Scene
 from cgff_cli.study.record import Method
@@ -158,7 +158,9 @@ def test_a_form_with_a_pulling_strut_is_none():
 
 
 def test_eigenvectors_that_tie_are_taken_together_as_no_rule_could_pick_among_them():
-    X, left = unit_coordinates(0.3 * (7.0 * np.eye(7) - 1.0), 2)  # seven nodes, every two joined: a simplex
+    X, left = unit_coordinates(
+        spectrum(0.3 * (7.0 * np.eye(7) - 1.0)), 2
+    )  # seven nodes, every two joined: a simplex
     distances = np.linalg.norm(X[:, None] - X[None], axis=-1)[np.triu_indices(7, 1)]
     assert X.shape == (7, 6)
     assert np.ptp(distances) < 1e-12
