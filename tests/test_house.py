@@ -14,11 +14,11 @@ MOST_LINES_OF_A_FUNCTION = 50
 BUDGET = {
     "top": 1811,
     "analysis": 2262,
-    "cli": 2839,
+    "cli": 2840,
     "formats": 1445,
     "mechanics": 966,
     "report": 2368,
-    "rivals": 917,
+    "rivals": 1000,
     "scene": 4587,
     "solvers": 2452,
     "study": 2996,

@@ -100,7 +100,7 @@ def _members(comparison: Comparison, shown: Sequence[Method], full: bool) -> Ite
         for title, name in (("length", "lengths"), ("force density", "force_densities")):
             yield Aligned([*_labels(comparison, title), *_values(shown, name)], keys=3)
         return
-    own = [method for method in shown if method.name in ("cgff", "fdm", "afdm", "schek")]
+    own = [method for method in shown if method.name in ("cgff", "fdm", "afdm", "dsvd", "schek")]
     groups = comparison.source.groups
     cuts = np.cumsum([0, *(len(group.EA) for group in groups)]).tolist()
     columns = [

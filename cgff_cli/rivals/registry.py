@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cgff_cli.rivals.afdm import afdm
+from cgff_cli.rivals.dsvd import dsvd
 from cgff_cli.rivals.dynamic_relaxation import dynamic_relaxation
 from cgff_cli.rivals.fdm import fdm
 from cgff_cli.rivals.schek import schek
@@ -62,6 +63,7 @@ REGISTRY = {
     "table1": Entry(table1, judges_itself=True),
     "fdm": Entry(fdm, judges_itself=True, is_affine=True),
     "afdm": Entry(afdm, judges_itself=True, is_affine=True),
+    "dsvd": Entry(dsvd, judges_itself=True, is_affine=True),
     "schek": Entry(schek, judges_itself=True),
     "fsolve": Entry(fsolve),
     "fsolve-fd": Entry(partial(fsolve, with_jacobian=False)),
