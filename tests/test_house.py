@@ -18,7 +18,7 @@ BUDGET = {
     "formats": 1445,
     "mechanics": 966,
     "report": 2368,
-    "rivals": 1000,
+    "rivals": 1004,
     "scene": 4587,
     "solvers": 2452,
     "study": 2996,

@@ -26,6 +26,9 @@ NULL = 1e-13
 TIED = 1e-9
 """Eigenvalues that differ by less than this share of the largest tie."""
 
+FORCELESS = 1e-9
+"""A force density below this share of the largest is none: rounding alone would decide its sign."""
+
 MOST_NODES = 1000
 MOST_NODES_FOR_CLASSES = 120
 
@@ -138,8 +141,9 @@ def fault_of(structure: Structure, form: Form, classes: np.ndarray) -> str:
     """Return why what the rounds led to is no form, or nothing."""
     if form.left > NULL:
         return f"{form.left:.0e} of the rank of D left after all rounds"
-    if (form.q * prototype(structure) <= 0.0).any():
-        return "some member has the wrong sign"
+    least = float((form.q * prototype(structure)).min() / np.abs(form.q).max())
+    if least <= FORCELESS:
+        return "some member has the wrong sign" if least < -FORCELESS else "some member carries no force"
     V = form.X[structure.end] - form.X[structure.start]
     lengths = np.linalg.norm(V, axis=1)
     if lengths.min() <= 1e-6 * lengths.max():
