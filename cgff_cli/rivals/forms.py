@@ -76,10 +76,10 @@ def choices(task: Task, trace: Trace) -> Iterator[tuple[str, np.ndarray]]:
     """
     structure = task.structure
     n, b = len(structure.coordinates), len(structure.start)
-    if max(n, b / 3) > MOST_NODES:
-        raise CgffError(f"its dense matrices are not made for more than {MOST_NODES} nodes, here {n}")
     if not structure.free.all():
         raise CgffError("it knows no supports: its forms are free bodies")
+    if max(n, b / 3) > MOST_NODES:
+        raise CgffError(f"its dense matrices are not made for more than {MOST_NODES} nodes, here {n}")
     trace.start()
     yield "group", task.groups
     if n <= MOST_NODES_FOR_CLASSES:
