@@ -14,14 +14,14 @@ MOST_LINES_OF_A_FUNCTION = 50
 BUDGET = {
     "top": 1811,
     "analysis": 2262,
-    "cli": 2929,
+    "cli": 2840,
     "formats": 1445,
     "mechanics": 966,
-    "report": 2551,
-    "rivals": 1013,
+    "report": 2368,
+    "rivals": 1004,
     "scene": 4587,
     "solvers": 2452,
-    "study": 2998,
+    "study": 2996,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""
 

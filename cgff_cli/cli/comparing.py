@@ -11,6 +11,8 @@ from cgff_cli.options import OPTIONS
 
 RIVALS = {
     "fdm": ("fdm", "Form-finding from connectivity and signs alone; with supports, --schek."),
+    "afdm": ("afdm", "Adaptive force densities: eigenvalues and least squares by turns; no supports."),
+    "dsvd": ("dsvd", "Double singular value decomposition; no supports."),
     "schek": ("schek", "The linear force density method with CGFF's force densities; needs supports."),
     "fsolve": ("fsolve", "scipy's fsolve with the exact Jacobian."),
     "fsolve-fd": ("fsolve-fd", "scipy's fsolve without a Jacobian, by finite differences."),

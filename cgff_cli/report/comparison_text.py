@@ -100,7 +100,7 @@ def _members(comparison: Comparison, shown: Sequence[Method], full: bool) -> Ite
         for title, name in (("length", "lengths"), ("force density", "force_densities")):
             yield Aligned([*_labels(comparison, title), *_values(shown, name)], keys=3)
         return
-    own = [method for method in shown if method.name in ("cgff", "fdm", "schek")]
+    own = [method for method in shown if method.name in ("cgff", "fdm", "afdm", "dsvd", "schek")]
     groups = comparison.source.groups
     cuts = np.cumsum([0, *(len(group.EA) for group in groups)]).tolist()
     columns = [
@@ -151,11 +151,13 @@ def _notes(comparison: Comparison) -> Iterator[tuple[str, str]]:
     for method in comparison.methods:
         if method.verdict != "converged":
             yield method.name, clean(method.message)
-    if any(method.alignment == "affine" for method in comparison.methods):
+    fitted = [method.name for method in comparison.methods if method.alignment == "affine"]
+    if fitted:
         yield (
             "affine map",
-            "fdm knows neither EA nor rest lengths: its form, known up to an affine map, is fitted to cgff's "
-            "answer; its errors tell how near that can be brought, its time not how fast it finds the shape",
+            f"what knows neither EA nor rest lengths ({', '.join(fitted)}) finds a form up to an affine map, "
+            "here fitted to cgff's answer: the errors tell how near that can be brought, the time not how "
+            "fast it finds the shape",
         )
     reference = comparison.reference
     words = verdict_words(reference["verdict"])[0]

@@ -74,12 +74,14 @@ WITHOUT_SUPPORTS = ("fdm", "afdm", "dsvd")
 
 def chosen(methods: Iterable[str], has_supports: bool) -> list[str]:
     """Return the methods to run, cgff first, each once; raises OptionError for an unknown name."""
+    of_free_bodies = {name for name, entry in REGISTRY.items() if entry.is_affine}
+    unsuited = of_free_bodies - {"fdm"} if has_supports else {"schek"}
     wanted = ["cgff"]
     for name in methods:
         if name not in (*REGISTRY, "all"):
             raise OptionError(f"unknown method {name!r}; allowed: {', '.join(REGISTRY)}, all")
-        wanted += [other for other in REGISTRY if other != "schek"] if name == "all" else [name]
-    told = ["schek" if name in WITHOUT_SUPPORTS and has_supports else name for name in wanted]
+        wanted += [other for other in REGISTRY if other not in unsuited] if name == "all" else [name]
+    told = ["schek" if name == "fdm" and has_supports else name for name in wanted]
     return list(dict.fromkeys(told))
 
 

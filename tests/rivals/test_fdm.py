@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 import cgff_cli
-from cgff_cli.rivals.fdm import unit_coordinates
+from cgff_cli.rivals.forms import Form, fault_of, prototype, spectrum, unit_coordinates
 from cgff_cli.rivals.symmetry import member_classes
 from cgff_cli.scene.scene import Group, Scene
+from cgff_cli.structure import from_scene
 from cgff_cli.study.record import Method
 from tests.shapes import STRUCTURES
 
@@ -157,8 +158,22 @@ def test_a_form_with_a_pulling_strut_is_none():
     assert "some member has the wrong sign" in method.message
 
 
+def test_a_force_density_whose_sign_rounding_decides_is_none():
+    structure = from_scene(cgff_cli.load(STRUCTURES / "x-module.yaml"))
+    square, q = np.array([[0, 0], [1, 0], [1, 1], [0, 1]]), prototype(structure)
+    for share, words in (
+        (1e-15, "some member carries no force"),
+        (-1e-15, "some member carries no force"),
+        (-0.1, "some member has the wrong sign"),
+    ):
+        q[0] = share
+        assert fault_of(structure, Form(square, q, 0.0), np.arange(6)) == words
+
+
 def test_eigenvectors_that_tie_are_taken_together_as_no_rule_could_pick_among_them():
-    X, left = unit_coordinates(0.3 * (7.0 * np.eye(7) - 1.0), 2)  # seven nodes, every two joined: a simplex
+    X, left = unit_coordinates(
+        spectrum(0.3 * (7.0 * np.eye(7) - 1.0)), 2
+    )  # seven nodes, every two joined: a simplex
     distances = np.linalg.norm(X[:, None] - X[None], axis=-1)[np.triu_indices(7, 1)]
     assert X.shape == (7, 6)
     assert np.ptp(distances) < 1e-12
