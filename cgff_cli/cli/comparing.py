@@ -21,8 +21,6 @@ RIVALS = {
     "residual": ("cgff-residual", "CGFF on eq. (10), half the squared residual."),
     "lbfgs": ("lbfgs", "scipy's L-BFGS-B on the energy."),
     "dr": ("dr", "Dynamic relaxation with kinetic damping."),
-    "afdm": ("afdm", "Adaptive force densities: D brought to its rank; without supports."),
-    "dsvd": ("dsvd", "Double singular value decomposition of U; without supports."),
     "znn": ("znn", "A zeroing neural network, integrated in time."),
     "mc": ("mc", "Monte Carlo: random nodal moves under falling temperature."),
     "all": ("all", "Every method that suits the scene."),

@@ -40,10 +40,6 @@ BLIND = 1e-6
 MOST_ROUNDS = 200
 
 
-Rounds = Callable[[Structure, np.ndarray], Iterator[Form]]
-"""Yields the form after every round, members of a class alike; the last one's fault is empty if it is one."""
-
-
 def fdm(task: Task, trace: Trace) -> End:
     """Return a form of the task's connectivity and signs; raises CgffError where there is none."""
     return ended(*formed(task, trace, by_null_space))

@@ -68,10 +68,6 @@ def compare(
     return Comparison(scene, asked | options.to_dict(), task.best, tuple(rows))
 
 
-WITHOUT_SUPPORTS = ("fdm", "afdm", "dsvd")
-"""Methods that find free forms: where supports hold a structure, `schek` stands for them."""
-
-
 def chosen(methods: Iterable[str], has_supports: bool) -> list[str]:
     """Return the methods to run, cgff first, each once; raises OptionError for an unknown name."""
     of_free_bodies = {name for name, entry in REGISTRY.items() if entry.is_affine}
