@@ -14,11 +14,11 @@ MOST_LINES_OF_A_FUNCTION = 50
 BUDGET = {
     "top": 1811,
     "analysis": 2262,
-    "cli": 2922,
+    "cli": 2923,
     "formats": 1445,
     "mechanics": 966,
     "report": 2551,
-    "rivals": 908,
+    "rivals": 1022,
     "scene": 4587,
     "solvers": 2452,
     "study": 2998,

@@ -22,6 +22,7 @@ RIVALS = {
     "afdm": ("afdm", "Adaptive force densities: D brought to its rank; without supports."),
     "dsvd": ("dsvd", "Double singular value decomposition of U; without supports."),
     "znn": ("znn", "A zeroing neural network, integrated in time."),
+    "mc": ("mc", "Monte Carlo: random nodal moves under falling temperature."),
     "all": ("all", "Every method that suits the scene."),
 }
 """Flag -> the method it adds, and its help."""

@@ -10,6 +10,7 @@ from cgff_cli.rivals.afdm import afdm
 from cgff_cli.rivals.dsvd import dsvd
 from cgff_cli.rivals.dynamic_relaxation import dynamic_relaxation
 from cgff_cli.rivals.fdm import fdm
+from cgff_cli.rivals.monte_carlo import monte_carlo
 from cgff_cli.rivals.schek import schek
 from cgff_cli.rivals.scipy_solvers import fsolve, lbfgs, lm
 from cgff_cli.rivals.task import End, Rival, Task, Trace
@@ -71,5 +72,6 @@ REGISTRY = {
     "lbfgs": Entry(lbfgs),
     "dr": Entry(dynamic_relaxation),
     "znn": Entry(znn),
+    "mc": Entry(monte_carlo),
 }
 """Method name -> its Entry."""
