@@ -18,7 +18,7 @@ BUDGET = {
     "formats": 1445,
     "mechanics": 966,
     "report": 2551,
-    "rivals": 1022,
+    "rivals": 1021,
     "scene": 4587,
     "solvers": 2452,
     "study": 2998,

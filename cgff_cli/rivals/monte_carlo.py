@@ -1,14 +1,14 @@
-"""Monte Carlo form-finding: random nodal moves under falling temperature (Li, Feng, Cao and Gao 2010).
+"""Monte Carlo form-finding: random nodal moves under falling temperature (the kind of Li and others 2010).
 
     s ~ N(0, size^2) along a node's free axes,    taken where    rise of the energy <= T x,   x ~ Exp(1)
 
-x is -log of a uniform number: that is Metropolis's test (1953), exp(-rise / T) >= u, cooled as Kirkpatrick,
-Gelatt and Vecchi (1983) do. Nodes that share no element move at once, which is as if in turn. A rise is
-summed from differences of lengths, l' - l = s . (2 V + s) / (l' + l), which do not cancel near the answer.
+x is -log of a uniform number: this is the test exp(-rise / T) >= u of annealing (Kirkpatrick, Gelatt and
+Vecchi 1983). Nodes that share no element move at once, which is as if in turn. A rise is summed from
+differences of lengths, l' - l = s . (2 V + s) / (l' + l), which do not cancel near the answer.
 
-Of the paper we could read abstract and introduction: a stochastic procedure, without matrices, from any
-start. The first temperature (heat of T in every free coordinate, together the start's elastic energy), how it
-falls, and sizes that every node finds for itself by the one-fifth rule (Rechenberg 1973) are ours.
+Of Li, Feng, Cao and Gao's paper abstract and introduction are public: a stochastic procedure, from any start
+and without matrices. The test, the first temperature (T in each free coordinate is the start's elastic
+energy), how it falls, and each node's own size by the one-fifth rule (Rechenberg 1973) are ours.
 """
 
 from typing import NamedTuple
@@ -27,7 +27,6 @@ FIRST_SIZE = 0.1
 
 LONGER, SHORTER = 1.5, 1.5**-0.25
 """What a move that is taken, and one that is not, do to its node's size: even where one in five is taken."""
-
 
 MEASURED = 10
 """Sweeps from one look at the residual to the next: a look takes as long as a sweep."""

@@ -54,7 +54,7 @@ def test_what_is_held_stays_and_what_may_slide_slides():
         "elements": {"cable": {"kind": "cable", "EA": 10, "rest_length": 1, "pairs": [["pin", "ring"]]}},
     }
     method = _found(from_dict(scene))
-    assert method.X == pytest.approx(np.array([[0.0, 0.0], [1.3, 0.0]]), abs=1e-11)
+    assert np.abs(method.X - [[0.0, 0.0], [1.3, 0.0]]).max() <= 1e-11
 
 
 def test_every_node_that_can_move_is_in_one_batch_and_none_with_its_neighbour():
