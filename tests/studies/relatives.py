@@ -5,8 +5,8 @@
 A method runs once from the scene's start, to 1e-12 and for up to six time limits, and once more from every
 one of --starts random starts, to 1e-6 and for up to one. It arrives where it comes to an equilibrium, stable
 or not; `least` are those of the least energy that any method found from any start, and `higher` is a stable
-one of more. Where a method has taken --patience seconds its other starts are not run, and the cell says of how
-many. Cells of work are iterations and milliseconds until the relative residual was within the tolerance.
+one of more. Where a method has taken --patience seconds its other starts are not run, and the cell says of
+how many. Cells of work are iterations and milliseconds until the relative residual was within the tolerance.
 Methods that take no start, or are told the answer, have no random ones. Times are of this machine.
 """
 
