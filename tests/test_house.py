@@ -18,7 +18,7 @@ BUDGET = {
     "formats": 1445,
     "mechanics": 966,
     "report": 2553,
-    "rivals": 1109,
+    "rivals": 1117,
     "scene": 4587,
     "solvers": 2452,
     "study": 2996,

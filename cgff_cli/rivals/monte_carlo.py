@@ -1,14 +1,14 @@
-"""Monte Carlo form-finding: random nodal moves under falling temperature (Li, Feng, Cao and Gao 2010).
+"""Monte Carlo form-finding: random nodal moves under falling temperature (the kind of Li and others 2010).
 
     s ~ N(0, size^2) along a node's free axes,    taken where    rise of the energy <= T x,   x ~ Exp(1)
 
-x is -log of a uniform number: that is Metropolis's test (1953), exp(-rise / T) >= u, cooled as Kirkpatrick,
-Gelatt and Vecchi (1983) do. Nodes that share no element move at once, which is as if in turn. A rise is
-summed from differences of lengths, l' - l = s . (2 V + s) / (l' + l), which do not cancel near the answer.
+x is -log of a uniform number: this is the test exp(-rise / T) >= u of annealing (Kirkpatrick, Gelatt and
+Vecchi 1983). Nodes that share no element move at once, which is as if in turn. A rise is summed from
+differences of lengths, l' - l = s . (2 V + s) / (l' + l), which do not cancel near the answer.
 
-Of the paper we could read abstract and introduction: a stochastic procedure, without matrices, from any
-start. The first temperature (heat of T in every free coordinate, together the start's elastic energy), how it
-falls, and sizes that every node finds for itself by the one-fifth rule (Rechenberg 1973) are ours.
+Of Li, Feng, Cao and Gao's paper abstract and introduction are public: a stochastic procedure, from any start
+and without matrices. The test, the first temperature (T in each free coordinate is the start's elastic
+energy), how it falls, and each node's own size by the one-fifth rule (Rechenberg 1973) are ours.
 """
 
 from typing import NamedTuple
@@ -28,17 +28,24 @@ FIRST_SIZE = 0.1
 LONGER, SHORTER = 1.5, 1.5**-0.25
 """What a move that is taken, and one that is not, do to its node's size: even where one in five is taken."""
 
+MEASURED = 10
+"""Sweeps from one look at the residual to the next: a look takes as long as a sweep."""
+
 
 class _Batch(NamedTuple):
     """Nodes that share no element, (c,) rows, and their elements: each has one of them as its near end.
 
-    elements : (m,) rows        near : (m,) place of the near end in the batch        far : (m,) nodes
+    near : (m,) place of the near end in the batch        far          : (m,) nodes
+    free : (d, c) 1 where a node is free, or 0            k, l0, least : (m,) as in Mechanics
     """
 
     nodes: np.ndarray
-    elements: np.ndarray
+    free: np.ndarray
     near: np.ndarray
     far: np.ndarray
+    k: np.ndarray
+    l0: np.ndarray
+    least: np.ndarray
 
 
 def monte_carlo(task: Task, trace: Trace) -> End:
@@ -48,18 +55,19 @@ def monte_carlo(task: Task, trace: Trace) -> End:
     rng = np.random.default_rng(task.options.seed)
     state = mechanics.at(mechanics.start)
     T = float(elements.energy(state.t, state.e)) / len(mechanics.dofs)
-    X, free = mechanics.all.copy(), task.structure.free.T
+    X = mechanics.all.copy()
     loads = (task.structure.loads * (1.0 / mechanics.frame.force)).T
     sizes = np.full(X.shape[1], FIRST_SIZE)
     batches = _batches(mechanics)
     sweeps = 0
     while True:
-        trace.add(sweeps, sweeps, X.T * mechanics.frame.length)
+        if sweeps % MEASURED == 0:
+            trace.add(sweeps, sweeps, X.T * mechanics.frame.length)
+        moves, heat = sizes * rng.standard_normal(X.shape), T * rng.standard_exponential(X.shape[1])
         for batch in batches:
             nodes = batch.nodes
-            s = sizes[nodes] * rng.standard_normal((len(X), len(nodes))) * free[:, nodes]
-            rise = _rises(mechanics, batch, X, s) - (loads[:, nodes] * s).sum(axis=0)
-            taken = rise <= T * rng.standard_exponential(len(nodes))
+            s = moves[:, nodes] * batch.free
+            taken = _rises(batch, X, s) - (loads[:, nodes] * s).sum(axis=0) <= heat[nodes]
             X[:, nodes] += s * taken
             sizes[nodes] *= np.where(taken, LONGER, SHORTER)
         sweeps, T = sweeps + 1, COOLING * T
@@ -77,27 +85,27 @@ def _batches(mechanics: Mechanics) -> list[_Batch]:
     for node in np.flatnonzero(structure.free.any(axis=1)):
         met = set(colour[neighbours[node]].tolist())
         colour[node] = next(c for c in range(n) if c not in met)
-    return [
-        _batch(structure.start, structure.end, np.flatnonzero(colour == c)) for c in range(colour.max() + 1)
-    ]
+    return [_batch(mechanics, np.flatnonzero(colour == c)) for c in range(int(colour.max()) + 1)]
 
 
-def _batch(start: np.ndarray, end: np.ndarray, nodes: np.ndarray) -> _Batch:
+def _batch(mechanics: Mechanics, nodes: np.ndarray) -> _Batch:
+    start, end = mechanics.structure.start, mechanics.structure.end
     from_start, from_end = (np.flatnonzero(np.isin(side, nodes)) for side in (start, end))
-    near = np.concatenate((start[from_start], end[from_end]))
+    near = np.searchsorted(nodes, np.concatenate((start[from_start], end[from_end])))
     far = np.concatenate((end[from_start], start[from_end]))
-    return _Batch(nodes, np.concatenate((from_start, from_end)), np.searchsorted(nodes, near), far)
+    rows = np.concatenate((from_start, from_end))
+    free = mechanics.structure.free[nodes].T.astype(float)
+    return _Batch(nodes, free, near, far, mechanics.k[rows], mechanics.l0[rows], mechanics.least[rows])
 
 
-def _rises(mechanics: Mechanics, batch: _Batch, X: np.ndarray, s: np.ndarray) -> np.ndarray:
+def _rises(batch: _Batch, X: np.ndarray, s: np.ndarray) -> np.ndarray:
     """Return (c,) by how much each of the moves s (d, c) raises the elastic energy at X (d, n)."""
-    rows = batch.elements
-    k, l0, least = mechanics.k[rows], mechanics.l0[rows], mechanics.least[rows]
     S = s[:, batch.near]
     V = X[:, batch.nodes[batch.near]] - X[:, batch.far]
     old, new = elements.lengths(V), elements.lengths(V + S)
-    e, moved = elements.extensions(old - l0, least), elements.extensions(new - l0, least)
+    e = elements.extensions(old - batch.l0, batch.least)
+    moved = elements.extensions(new - batch.l0, batch.least)
     longer = (S * (2.0 * V + S)).sum(axis=0) / (new + old)
-    both = elements.taut(old - l0, least) & elements.taut(new - l0, least)
-    work = 0.5 * np.where(both, longer, moved - e) * elements.forces(k, e + moved)
+    taut = elements.taut(np.minimum(old, new) - batch.l0, batch.least)
+    work = 0.5 * np.where(taut, longer, moved - e) * elements.forces(batch.k, e + moved)
     return np.bincount(batch.near, work, len(batch.nodes))

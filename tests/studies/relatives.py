@@ -1,13 +1,13 @@
 """Every method of `cgff compare` on the same scenes: work to three tolerances, what was found, from where.
 
-    python tests/studies/relatives.py [--quick] [--starts 100] [--time-limit 1] [--only prism,octahedron]
+    python tests/studies/relatives.py [--quick] [--starts 100] [--time-limit 3] [--patience 300]
 
 A method runs once from the scene's start, to 1e-12 and for up to six time limits, and once more from every
-one of --starts random starts, to 1e-6 and for up to one: it arrives where it comes to an equilibrium, stable
-or not. After ten starts in a row that ran out of time a method's others are not run, and the cell says of how
-many. Cells are iterations and milliseconds until the relative residual was within the tolerance. What was
-found: `higher` is a stable equilibrium of more energy than the least that a method found here. Methods that
-take no start, or are told the answer, have no random ones. Times are of this machine.
+one of --starts random starts, to 1e-6 and for up to one. It arrives where it comes to an equilibrium, stable
+or not; `least` are those of the least energy that any method found from any start, and `higher` is a stable
+one of more. Where a method has taken --patience seconds its other starts are not run, and the cell says of
+how many. Cells of work are iterations and milliseconds until the relative residual was within the tolerance.
+Methods that take no start, or are told the answer, have no random ones. Times are of this machine.
 """
 
 import argparse
@@ -15,6 +15,7 @@ import os
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -26,7 +27,6 @@ import cgff_cli
 from cgff_cli.rivals.registry import REGISTRY
 from cgff_cli.scene.scene import Scene
 from cgff_cli.structure import from_scene
-from cgff_cli.study.compare import chosen
 from cgff_cli.study.record import Method
 from cgff_cli.study.starts import random_start
 
@@ -41,8 +41,8 @@ LARGER = {
 
 AT = (1e-4, 1e-8, 1e-12)
 ARRIVED = 1e-6
-IN_A_ROW = 10
 LONGER = 6.0
+Ends = dict[str, list[Method]]
 EQUILIBRIA = ("converged", "rounding_floor")
 SAME_ENERGY = 1e-6
 SEED = 1
@@ -84,57 +84,57 @@ def found(method: Method, least: float) -> str:
     return "higher" if method.energy > least + SAME_ENERGY * abs(least) else "stable"
 
 
-def from_random_starts(scene: Scene, count: int, limit: float) -> dict[str, str]:
-    """Return a cell for each method: how often it came to an equilibrium, and how often to a stable one."""
+def from_random_starts(scene: Scene, names: list[str], count: int, limit: float, patience: float) -> Ends:
+    """Return where each method came to from every start that it was given."""
     structure = from_scene(scene)
-    ends: dict[str, list[Method]] = {
-        name: [] for name in chosen(["all"], bool(scene.supports)) if takes_a_start(name)
-    }
+    ends: Ends = {name: [] for name in names}
     for number in range(1, count + 1):
         start = replace(scene, coordinates=random_start(structure, SEED, number))
-        asked = [name for name, rows in ends.items() if not is_hopeless(rows)]
+        asked = [name for name, rows in ends.items() if sum(row.seconds or 0.0 for row in rows) < patience]
         for method in cgff_cli.compare(start, asked, repeat=1, time_limit=limit, tolerance=ARRIVED).methods:
             ends[method.name].append(method)
-    return {name: told(rows, count) for name, rows in ends.items()}
+    return ends
 
 
-def is_hopeless(rows: list[Method]) -> bool:
-    """Return whether the last runs all ran out of time."""
-    last = rows[-IN_A_ROW:]
-    return len(last) == IN_A_ROW and all(method.verdict == "time_limit" for method in last)
-
-
-def told(rows: list[Method], count: int) -> str:
-    """Return how many runs arrived, how many of them stably, and of how many if not of all."""
+def told(rows: list[Method], least: float, count: int) -> str:
+    """Return how many runs arrived, how many stably, how many at the least energy; of how many if not all."""
     arrived = [method for method in rows if method.verdict in EQUILIBRIA]
-    stable = sum(method.stable is True for method in arrived)
-    return f"{len(arrived)}, {stable}" + ("" if len(rows) == count else f" of {len(rows)}")
+    numbers = [len(arrived), sum(method.stable is True for method in arrived)]
+    numbers += [sum(found(method, least) == "stable" for method in arrived)]
+    return ", ".join(map(str, numbers)) + ("" if len(rows) == count else f" of {len(rows)}")
 
 
-def study(name: str, scene: Scene, count: int, limit: float) -> None:
+def study(name: str, scene: Scene, count: int, limit: float, patience: float) -> None:
     """Print the rows of a scene."""
     cgff_cli.compare(scene, ["all"], repeat=1, time_limit=0.1)  # what is imported once is not timed
     methods = cgff_cli.compare(scene, ["all"], repeat=1, time_limit=LONGER * limit).methods
-    least = min((m.energy for m in methods if m.stable and m.energy is not None), default=-np.inf)
-    starts = from_random_starts(scene, count, limit)
+    names = [method.name for method in methods if takes_a_start(method.name)]
+    ends = from_random_starts(scene, names, count, limit, patience)
+    every = [*methods, *chain.from_iterable(ends.values())]
+    least = min((m.energy for m in every if m.stable and m.energy is not None), default=-np.inf)
     for method in methods:
         own = method.name
-        cells = [name, f"`{own}`", *work(method), found(method, least), starts.get(own, "-")]
-        print("|", " | ".join(cells), "|", flush=True)
+        starts = told(ends[own], least, count) if own in ends else "-"
+        print(
+            "|", " | ".join([name, f"`{own}`", *work(method), found(method, least), starts]), "|", flush=True
+        )
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--starts", type=int, default=100)
-    parser.add_argument("--time-limit", type=float, default=1.0)
+    parser.add_argument("--time-limit", type=float, default=3.0)
+    parser.add_argument("--patience", type=float, default=300.0)
     parser.add_argument("--quick", action="store_true", help="five starts, a fifth of a second each")
     parser.add_argument("--only", default="")
     arguments = parser.parse_args()
     count, limit = (5, 0.2) if arguments.quick else (arguments.starts, arguments.time_limit)
-    print("| scene | method | to 1e-4: iterations, ms | to 1e-8 | to 1e-12 | found | arrived, stably |")
+    print(
+        "| scene | method | to 1e-4: iterations, ms | to 1e-8 | to 1e-12 | found | arrived, stably, least |"
+    )
     print("|---|---|--:|--:|--:|---|--:|")
     for name, scene in scenes([name for name in arguments.only.split(",") if name]):
-        study(name, scene, count, limit)
+        study(name, scene, count, limit, arguments.patience)
 
 
 if __name__ == "__main__":
