@@ -6,13 +6,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cgff_cli import pipeline
+from cgff_cli.errors import OptionError
 from cgff_cli.result import Result
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers.solution import Observer
-from cgff_cli.values import DEAD
+from cgff_cli.values import ALL_CASES, DEAD
 
 BEGINS = "equilibrium without cases", "start of the scene"
 """Where a case begins: there if there is one, else where the scene does."""
+
+
+def asked_cases(scene: Scene, case: str) -> tuple[str, ...]:
+    """Return the names that a name, or "all", asks for; raises OptionError for all where there is none."""
+    if case != ALL_CASES:
+        return (case,)
+    if not scene.cases:
+        raise OptionError(f"{scene.path}: --case all: the scene has no load_cases or combinations")
+    return scene.cases
 
 
 def solve_cases(

@@ -12,16 +12,16 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 1811,
+    "top": 1820,
     "analysis": 2262,
-    "cli": 2929,
+    "cli": 2934,
     "formats": 1445,
     "mechanics": 966,
-    "report": 2553,
+    "report": 2536,
     "rivals": 1117,
     "scene": 4587,
     "solvers": 2452,
-    "study": 2996,
+    "study": 3005,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""
 

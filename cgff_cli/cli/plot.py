@@ -1,15 +1,14 @@
 """`cgff plot`: a picture of a structure, of how a solve went, or of a sweep."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from cgff_cli.cli.common import ExitCode, SectionCommand, examples, flag, say, title, warn_of, word_options
+from cgff_cli.cli.common import SectionCommand, examples, flag, word_options
 from cgff_cli.cli.options import Checked, output_flag
-from cgff_cli.cli.targets import check_targets, files_of, form_of_file, refuse_inputs
-
-if TYPE_CHECKING:
-    from cgff_cli.report.figure import Shown
+from cgff_cli.cli.showing import shown_of
+from cgff_cli.cli.targets import check_targets, files_of, form_of_file
+from cgff_cli.values import ALL_CASES
 
 _EPILOG = examples(
     "cgff plot prism.yaml -o prism.png",
@@ -67,18 +66,16 @@ def command(ctx: click.Context, scene: str | None, output: str, **values: Any) -
     form = form_of_file("-o", output, _PICTURES) or "png"
     if (scene is None) == (values["sweep"] is None):
         raise click.UsageError("give a SCENE, a RESULT or --sweep FILE.csv")
+    case, as_given = values.pop("case"), values.pop("as_given")
+    if case == ALL_CASES:
+        raise click.UsageError("--case all: a picture is of one case; cgff view shows all")
     inputs = files_of([scene]) if scene else [(values["sweep"], "the rows")]
     targets = check_targets([(output, "the picture")], inputs)
     check_matplotlib("cgff plot")
     if scene is None:
         figure.write_sweep(values["sweep"], output, form)
         return
-    asked: Shown = figure.Shown(**{name: values[name] for name in figure.Shown._fields})
-    result = figure.result_of(scene, asked)
-    refuse_inputs(targets, ((path, f"a file of {title(scene)}") for path in result.source.files))
-    unsolved = values["as_given"] or result.source.is_geometry
-    warn_of(scene, (result.source if unsolved else result).warnings)
+    ((result, code),) = shown_of(scene, case, as_given, targets)
+    asked = figure.Shown(**{name: values[name] for name in figure.Shown._fields})
     figure.write_picture(result, asked, output, form)
-    if not (unsolved or result.source.is_answer or result.converged):
-        say(f"cgff: {title(scene)}: {result.message}")
-        ctx.exit(ExitCode.INTERRUPTED if result.interrupted else ExitCode.NOT_CONVERGED)
+    ctx.exit(code)

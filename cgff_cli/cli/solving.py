@@ -100,11 +100,9 @@ class Solving:
             if self.case is None:
                 yield pipeline.solve(scene, observer=line, **self.options)
                 return
-            from cgff_cli.cases import solve_cases
+            from cgff_cli.cases import asked_cases, solve_cases
 
-            names = scene.cases if self.case == ALL_CASES else [self.case]
-            if not names:
-                raise OptionError(f"{title(path)}: --case all: the scene has no load_cases or combinations")
+            names = asked_cases(scene, self.case)
             yield from solve_cases(scene, names, observer=line, **self.options)
 
     def job(self, path: str) -> "SceneJob":

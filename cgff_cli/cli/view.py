@@ -1,25 +1,14 @@
 """`cgff view`: one page that shows structures in a browser."""
 
-from typing import TYPE_CHECKING, Any
+from itertools import chain
+from typing import Any
 
 import click
 
-from cgff_cli.cli.common import (
-    ExitCode,
-    SectionCommand,
-    examples,
-    flag,
-    say,
-    title,
-    warn_of,
-    word_options,
-    worst,
-)
+from cgff_cli.cli.common import ExitCode, SectionCommand, examples, flag, word_options, worst
 from cgff_cli.cli.options import output_flag
-from cgff_cli.cli.targets import check_targets, files_of, form_of_file, refuse_inputs
-
-if TYPE_CHECKING:
-    from cgff_cli.result import Result
+from cgff_cli.cli.showing import shown_of
+from cgff_cli.cli.targets import check_targets, files_of, form_of_file
 
 _EPILOG = examples(
     "cgff view prism.yaml -o prism.html",
@@ -60,23 +49,12 @@ def command(ctx: click.Context, scenes: tuple[str, ...], output: str, **values: 
         form_of_file("-o", output, {".html": ""})
     targets = check_targets([(output, "the page")], files_of(scenes))
     view.check_threejs()
-    shown, code = [], ExitCode.OK
-    given = values["case"], values["as_given"]
-    for path, result in ((own, found) for own in scenes for found in view.results_shown(own, *given)):
-        source = result.source
-        refuse_inputs(targets, ((own, f"a file of {title(path)}") for own in source.files))
-        warn_of(path, source.warnings if source.is_geometry else result.warnings)
-        code = worst(code, _ended(path, result, values["as_given"]))
-        shown.append(view.exhibit_of(result, 0 if result.interrupted else values["modes"]))
+    exhibits, code = [], ExitCode.OK
+    each = (shown_of(path, values["case"], values["as_given"], targets) for path in scenes)
+    for result, ended in chain.from_iterable(each):
+        code = worst(code, ended)
+        exhibits.append(view.exhibit_of(result, 0 if result.interrupted else values["modes"]))
         if result.interrupted:
             break
-    write_output(output, [view.page_of(shown)])
+    write_output(output, [view.page_of(exhibits)])
     ctx.exit(code)
-
-
-def _ended(path: str, result: "Result", as_given: bool) -> ExitCode:
-    """Say where a solve did not converge and return its exit code; what was given may be as it is."""
-    if as_given or result.source.is_answer or result.source.is_geometry or result.converged:
-        return ExitCode.OK
-    say(f"cgff: {title(path)}: {result.message}")
-    return ExitCode.INTERRUPTED if result.interrupted else ExitCode.NOT_CONVERGED

@@ -1,13 +1,17 @@
 """What a picture or a page shows of a structure: plain arrays, names once."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from cgff_cli.as_given import Analysis
+from cgff_cli import pipeline
+from cgff_cli.as_given import Analysis, analyse
+from cgff_cli.cases import asked_cases, solve_cases
 from cgff_cli.errors import OptionError
 from cgff_cli.result import Result
+from cgff_cli.scene.read import load
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,17 +47,34 @@ class Drawing:
         return float(np.linalg.norm(np.ptp(self.coordinates, axis=0))) or 1.0
 
 
-def drawing_of(result: Result, is_geometry: bool = False, has_start: bool = True) -> Drawing:
-    """Return the drawing of a result; is_geometry: without forces; has_start: it began elsewhere."""
+def results_of(path: str, case: str | None, as_given: bool) -> Iterator[Result]:
+    """Yield what is drawn of the file at a path: a result or a geometry as it is, a scene solved.
+
+    case : a load case or combination to solve the scene in, or "all": one result of each
+
+    Raises SceneError for a bad file, OptionError for a case that is not there, or of what is not solved.
+    """
+    scene = load(path, results=True)
+    is_solved = not (as_given or scene.is_geometry or scene.is_answer)
+    if case is not None and not is_solved:
+        raise OptionError(f"--case {case}: {path} is drawn as it is; a case is of a scene that is solved")
+    if case is not None:
+        yield from solve_cases(scene, asked_cases(scene, case))
+    else:
+        yield pipeline.solve(scene) if is_solved else analyse(scene).result
+
+
+def drawing_of(result: Result) -> Drawing:
+    """Return the drawing of a result, without forces in a geometry."""
     source, s = result.source, result.structure
     case = f", {source.case}" if source.case else ""
-    moved = has_start and not np.array_equal(s.coordinates, result.coordinates)
+    is_geometry = source.is_geometry
     return Drawing(
         title=f"{source.name}{case}",
         node_names=source.node_names,
         group_names=[group.name for group in source.groups],
         coordinates=result.coordinates,
-        start=s.coordinates if moved else None,
+        start=None if np.array_equal(s.coordinates, result.coordinates) else s.coordinates,
         pairs=np.column_stack([s.start, s.end]),
         owners=source.owners,
         struts=~s.tension_only,

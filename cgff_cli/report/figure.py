@@ -5,13 +5,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cgff_cli import pipeline
 from cgff_cli.as_given import analyse
-from cgff_cli.cases import solve_cases
 from cgff_cli.report.drawing import drawing_of, mode_of
 from cgff_cli.report.files import write_bytes
 from cgff_cli.result import Result
-from cgff_cli.scene.read import load
 
 WIDTH, HEIGHT = 8.0, 6.0
 """Inches of curves, and most of a structure's height."""
@@ -24,20 +21,8 @@ class Shown(NamedTuple):
     """What of a structure is drawn; see `cgff plot`."""
 
     view: tuple[float, float] | None = None
-    case: str | None = None
-    as_given: bool = False
     mode: int | None = None
     history: bool = False
-
-
-def result_of(path: str, asked: Shown) -> Result:
-    """Return what is drawn of the file at a path: a result, a geometry as it is, or a scene solved."""
-    scene = load(path, results=True)
-    if asked.as_given or scene.is_geometry or scene.is_answer:
-        return analyse(scene).result
-    if asked.case is not None:
-        return next(solve_cases(scene, [asked.case]))
-    return pipeline.solve(scene)
 
 
 def write_picture(result: Result, asked: Shown, path: str, form: str) -> None:
@@ -50,7 +35,7 @@ def write_picture(result: Result, asked: Shown, path: str, form: str) -> None:
     else:
         from cgff_cli.report.picture import draw_structure, eye_for
 
-        drawing = drawing_of(result, result.source.is_geometry)
+        drawing = drawing_of(result)
         mode = None if asked.mode is None else mode_of(analyse(result, modes=asked.mode), asked.mode)
         eye = eye_for(drawing.coordinates, asked.view)
         figure = _paper(*_size_for(np.ptp(eye.seen(drawing.coordinates), axis=0)))

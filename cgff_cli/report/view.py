@@ -17,14 +17,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from cgff_cli.as_given import analyse
-from cgff_cli.cases import solve_cases
 from cgff_cli.errors import OptionError
 from cgff_cli.report.drawing import Drawing, drawing_of, mode_of
-from cgff_cli.report.figure import Shown, result_of
 from cgff_cli.report.picture import eye_for
 from cgff_cli.result import Result
-from cgff_cli.scene.read import load
-from cgff_cli.values import ALL_CASES
 
 LIBRARY = "jupyter_threejs_sage", "static/r130/three.min.js"
 """The package that three.js comes in, and where in it."""
@@ -47,24 +43,10 @@ def check_threejs() -> None:
         raise OptionError("cgff view needs three.js, which is not installed: pip install 'cgff-cli[view]'")
 
 
-def results_shown(path: str, case: str | None, as_given: bool) -> Iterator[Result]:
-    """Yield what is shown of a file: a result, or one of every case; raises SceneError, OptionError."""
-    if case != ALL_CASES or as_given:
-        yield result_of(path, Shown(case=case, as_given=as_given))
-        return
-    scene = load(path, results=True)
-    if scene.is_answer or scene.is_geometry:
-        yield analyse(scene).result
-    elif not scene.cases:
-        raise OptionError(f"{path}: --case all: the scene has no load_cases or combinations")
-    else:
-        yield from solve_cases(scene, scene.cases)
-
-
 def exhibit_of(result: Result, modes: int) -> Exhibit:
     """Return what is shown of a result, with the motions that `cgff analyse --modes` tells; 0: none."""
     found = analyse(result, modes=modes)
-    drawing = drawing_of(result, found.is_geometry)
+    drawing = drawing_of(result)
     if not modes:
         return Exhibit(drawing, [], found.message)
     stability, count = found.analysis["stability"], len(found.analysis["modes"] or [])

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import cgff_cli
-from cgff_cli.report import figure, plots
+from cgff_cli.report import plots
+from cgff_cli.report.drawing import results_of
 from tests.cli.conftest import Run
 
 SLACK = """\
@@ -35,7 +36,7 @@ def axes_of(scene: str, **asked: object):
 
     read = cgff_cli.loads(scene)
     result = cgff_cli.analyse(read).result if read.is_geometry else cgff_cli.solve(read)
-    drawing = drawing_of(result, read.is_geometry)
+    drawing = drawing_of(result)
     axes = Figure().subplots()
     draw_structure(drawing, axes, eye_for(drawing.coordinates, None), **asked)
     return axes, drawing
@@ -113,10 +114,9 @@ def test_a_result_is_drawn_as_it_is_and_a_scene_solved_unless_it_is_not_to_be(ru
     run("solve", "prism.yaml", "-o", "prism.json")
     for name, flags in (("prism.yaml", ()), ("prism.json", ()), ("prism.yaml", ("--as-given",))):
         assert run("plot", name, *flags, "-o", "a.svg").exit_code == 0
-    asked = figure.Shown()
-    solved, result = (figure.result_of(name, asked) for name in ("prism.yaml", "prism.json"))
+    solved, result = (next(results_of(name, None, False)) for name in ("prism.yaml", "prism.json"))
     assert result.coordinates == pytest.approx(solved.coordinates, abs=1e-12)
-    given = figure.result_of("prism.yaml", figure.Shown(as_given=True))
+    given = next(results_of("prism.yaml", None, True))
     assert given.coordinates.tolist() == cgff_cli.load("prism.yaml").coordinates.tolist()
 
 
@@ -134,6 +134,8 @@ def test_modes_histories_cases_and_sweeps_have_pictures(run: Run):
         (("prism.yaml", "-o", "a.jpg"), 2, "-o a.jpg: the name must end in .png, .svg or .pdf"),
         (("-o", "a.png"), 2, "give a SCENE, a RESULT or --sweep FILE.csv"),
         (("prism.yaml", "--view", "frnt", "-o", "a.png"), 2, "view 'frnt' is none; did you mean 'front'?"),
+        (("prism.yaml", "--case", "all", "-o", "a.png"), 2, "--case all: a picture is of one case"),
+        (("prism.yaml", "--case", "snow", "--as-given", "-o", "a.png"), 2, "prism.yaml is drawn as it is"),
         (("prism.yaml", "--mode", "90", "-o", "a.png"), 2, "mode 90: there are"),
         (("--sweep", "prism.yaml", "-o", "a.png"), 2, "prism.yaml: is no table of rows that"),
         (("--sweep", "none.csv", "-o", "a.png"), 1, "none.csv: cannot be read: No such file or directory"),

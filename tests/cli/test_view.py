@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import cgff_cli
-from cgff_cli.report import figure, view
+from cgff_cli.report import drawing, view
 from cgff_cli.solvers.stopping import Verdict
 from tests.cli.conftest import Run
 from tests.cli.page_of_view import Page, Stage, floats, rows
@@ -291,7 +291,7 @@ def test_an_interrupted_solve_is_shown_as_far_as_it_came_and_ends_the_command(
 ):
     real = cgff_cli.solve("prism.yaml", max_iterations=1)
     cut = replace(real, solution=replace(real.solution, verdict=Verdict.INTERRUPTED))
-    monkeypatch.setattr(figure.pipeline, "solve", lambda scene: cut)
+    monkeypatch.setattr(drawing.pipeline, "solve", lambda scene: cut)
     ended = run("view", "prism.yaml", "bracket.yaml", "-o", "page.html")
     assert ended.exit_code == 130
     shown = Page(Path("page.html").read_text()).data["results"]
@@ -313,6 +313,7 @@ def test_an_element_without_rest_length_has_no_strain_to_tell(run: Run):
         (("prism.yaml", "-o", "a.htm"), 2, "-o a.htm: the name must end in .html"),
         (("prism.yaml", "--case", "all", "-o", "a.html"), 2, "the scene has no load_cases or combinations"),
         (("prism.yaml", "--case", "snow", "-o", "a.html"), 2, "snow"),
+        (("prism.json", "--case", "all", "-o", "a.html"), 2, "--case all: prism.json is drawn as it is"),
         (("none.yaml", "-o", "a.html"), 3, "none.yaml"),
         (("prism.yaml", "-o", "no/a.html"), 1, "there is no folder"),
         ((), 2, "Missing"),
@@ -321,6 +322,7 @@ def test_an_element_without_rest_length_has_no_strain_to_tell(run: Run):
 def test_what_cannot_be_shown_is_told_and_leaves_no_page(
     run: Run, flags: tuple[str, ...], code: int, told: str
 ):
+    run("solve", "prism.yaml", "-o", "prism.json")
     ended = run("view", *flags)
     assert (ended.exit_code, told in ended.stderr) == (code, True), ended.stderr
     assert not Path("a.html").exists()
