@@ -125,8 +125,8 @@ class Outputs:
             for file in self.writing.files(scene, flags["case"])
         ]
         files += [(path, "the envelope") for path in self.writing.beside]
-        listed = [(flags["files_from"], "the list of scenes")] if flags["files_from"] else []
-        inputs = chain(listed, files_of(scenes))
+        also = ((flags["files_from"], "the list of scenes"), (flags["start"], "the result it begins at"))
+        inputs = chain(((path, what) for path, what in also if path), files_of(scenes))
         self.targets = check_targets([*files, (self.summary, "the summary")], inputs, flags["out_dir"])
 
     @property

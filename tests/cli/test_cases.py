@@ -201,6 +201,9 @@ def test_supports_stay_where_the_scene_has_them_whatever_the_start(run: Run, roo
 
 def test_a_start_of_another_scene_is_refused(run: Run, roof: str):
     run("solve", roof, "-o", "a.json")
+    ended = run("solve", roof, "--start", "a.json", "-o", "a.json")
+    told = "a.json would be written over the result it begins at\n"
+    assert (ended.exit_code, ended.stderr.endswith(told)) == (2, True)
     ended = run("solve", "prism.yaml", "--start", "a.json")
     assert ended.exit_code == 2
     assert "--start a.json: is of another scene, with nodes that prism.yaml has not: 'a', 'b'" in ended.stderr
