@@ -61,21 +61,12 @@ class RowsFile:
     """
 
     def __init__(self, path: str, total: int, told: Mapping[str, Any], is_resumed: bool):
-        self.path, self.total, self.told, self.is_resumed = (
-            os.path.realpath(path),
-            total,
-            dict(told),
-            is_resumed,
-        )
+        self.path, self.total = os.path.realpath(path), total
+        self.told, self.is_resumed = dict(told), is_resumed
         self.shown, self.part, self.sidecar = path, f"{self.path}.part", f"{self.path}.sweep.json"
         self.counts = dict.fromkeys(COUNTS, 0)
         self.kept: dict[str, Any] = {}
         self.handle, self.seen = -1, monotonic()
-
-    @property
-    def is_complete(self) -> bool:
-        """Whether all rows are there."""
-        return self.counts["rows_done"] == self.total
 
     def __enter__(self) -> "RowsFile":
         with self._refusals():

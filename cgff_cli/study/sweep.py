@@ -24,7 +24,11 @@ from cgff_cli.study.outs import Answers, Out, outs
 from cgff_cli.values import Rule
 
 CHUNK, CHUNK_ELEMENTS = 1000, 12_000
-"""Rows solved together: at most as many, and as many as have so many elements in all."""
+"""Rows solved together: at most as many, and as many as have so many elements in all.
+
+In chunks of 100, 200, 500, 1000, 2000 the prism makes 5300, 6300, 9000, 10 500, 12 600 rows a second; what is
+killed loses the more, the larger they are.
+"""
 
 HOW_ROWS_ENDED = ("verdict", "converged", "stability", "iterations", "residual_relative", "energy")
 """What is told of every row, after its swept values."""
@@ -40,7 +44,7 @@ class Span(NamedTuple):
 
     first: int
     last: int
-    values: np.ndarray | None = None
+    values: np.ndarray
     digest: str = ""
 
 
@@ -76,8 +80,11 @@ class Sweep:
     def chunks(self, rows: range) -> Iterator[Span]:
         """Yield the chunks of some rows."""
         for first in range(rows.start, rows.stop, self.at_once):
-            last = min(first + self.at_once, rows.stop)
-            yield Span(first, last, self.values(first, last))
+            yield self.span(first, min(first + self.at_once, rows.stop))
+
+    def span(self, first: int, last: int) -> Span:
+        """Return the rows from first up to, not including, last, with their swept values."""
+        return Span(first, last, self.values(first, last))
 
     @property
     def for_workers(self) -> "Sweep":
@@ -145,7 +152,7 @@ class Sweep:
 
     def solved(self, chunk: Span) -> SolvedRows:
         """Return the rows of a chunk, each from the scene's own start."""
-        values = self.values(chunk.first, chunk.last) if chunk.values is None else chunk.values
+        values = chunk.values
         arrays, structure = self.arrays(values), from_scene(self.scene)
         good = self.may_be(arrays, len(values))
         arrays = {name: array[good] for name, array in arrays.items()}

@@ -12,7 +12,7 @@ import cgff_cli
 from cgff_cli.scene.scene import Scene
 from cgff_cli.study.axes import KEYS
 from cgff_cli.study.rows import sweep
-from cgff_cli.study.sweep import BAD_SCENE, Span, Sweep, planned
+from cgff_cli.study.sweep import BAD_SCENE, Sweep, planned
 from tests.shapes import STRUCTURES
 
 PAIR = """\
@@ -40,7 +40,7 @@ def prism() -> Scene:
 
 
 def column(name: str, plan: Sweep) -> list[object]:
-    return plan.solved(Span(0, plan.rows)).columns[name]
+    return plan.solved(plan.span(0, plan.rows)).columns[name]
 
 
 def test_a_grid_has_all_combinations_the_last_key_fastest(pair: Scene):
@@ -116,8 +116,8 @@ def test_a_start_and_a_support_are_moved_where_a_coordinate_is_swept(pair: Scene
 
 def test_rows_do_not_depend_on_their_chunks_or_on_processes(prism: Scene):
     plan = planned(prism, scale={"verticals.rest_length": "0.5:1.5:30"}, out=["node:n1"])
-    whole = plan.solved(Span(0, 30)).columns
-    halves = [plan.solved(Span(0, 11)).columns, plan.solved(Span(11, 30)).columns]
+    whole = plan.solved(plan.span(0, 30)).columns
+    halves = [plan.solved(plan.span(0, 11)).columns, plan.solved(plan.span(11, 30)).columns]
     assert whole == {name: halves[0][name] + halves[1][name] for name in whole}
 
 
@@ -125,7 +125,7 @@ def test_a_worker_is_handed_the_values_of_its_own_rows_alone(prism: Scene):
     plan = planned(prism, set={"struts.EA": "10:1000:100000"}, out=["height"])
     *_, last = chunks = list(plan.chunks(range(98000, 99500)))
     assert [len(pickle.dumps((plan.for_workers.solved, chunk))) < 30000 for chunk in chunks] == [True] * 2
-    assert plan.for_workers.solved(last) == plan.solved(Span(99000, 99500))
+    assert plan.for_workers.solved(last) == plan.solved(plan.span(99000, 99500))
 
 
 def test_shards_are_whole_chunks_that_follow_each_other(pair: Scene):
