@@ -5,9 +5,9 @@
     OPENBLAS_NUM_THREADS=1 python tests/studies/sweep.py falls [--count 300] [--first 0]
 
 rows: random rest lengths and EA of the prism; microseconds of CPU time a row, and how many times longer loops
-of `solve` and of fsolve take on the first rows to the same accuracy; every row against a solve of its own:
-energy, all distances, stability. With --million the command too, 10^5 and 10^6 rows into a file: wall
-and CPU seconds, and peak memory.
+of `solve` and of fsolve take on the first rows, and how well all answers balance; every row against a
+solve of its own: energy, all distances, stability. With --million the command too, 10^5 and 10^6 rows into
+a file: wall and CPU seconds, and peak memory.
 kills: the process, its group or one worker killed, or asked to end, at random moments; resumed each time.
 falls: random frames between supports under a growing load, in 6 steps and in 60, and where these disagree in
 600: values at which an equilibrium is lost, to 1e-6, and the energy at the end.
@@ -63,6 +63,18 @@ CASES = {
 WAYS = ("process", "group", "worker", "asked")
 
 
+def off_balance(scene, X):
+    """Return the relative residual of a scene at a shape (n, d)."""
+    return cgff_cli.analyse(scene.with_coordinates(X), modes=0).result.residual["relative"]
+
+
+def told_of(name, residuals):
+    """Print how well answers balance."""
+    left = np.array(list(residuals))
+    beyond = f"{(left > 1e-10).sum()} of {len(left)} above 1e-10"
+    print(f"  {name}: relative residual {np.median(left):.1e}, at most {left.max():.1e}, {beyond}")
+
+
 def measured(m):
     """Print what rows cost, and how they differ from solves of their own."""
     scene = cgff_cli.load(str(PRISM))
@@ -74,14 +86,16 @@ def measured(m):
     few = [bare.scene_at(values) for values in bare.values(0, min(m, FEW))]
     structures = [from_scene(one) for one in few]
     rivals = {
-        "solve": lambda: [cgff_cli.solve(one) for one in few],
-        "solve without analysis": lambda: [cgff_cli.solve(one, analysis="never") for one in few],
+        "solve": lambda: [cgff_cli.solve(one).coordinates for one in few],
+        "solve without analysis": lambda: [cgff_cli.solve(one, analysis="never").coordinates for one in few],
         "fsolve": lambda: [by_fsolve(s, s.coordinates, False) for s in structures],
         "fsolve, exact Jacobian": lambda: [by_fsolve(s, s.coordinates, True) for s in structures],
     }
     print(f"{m} rows: {1e6 * seconds / m:.0f} us a row, {m / seconds:.0f} a second")
+    told_of("the sweep", bare.solved(bare.span(0, len(few))).columns["residual_relative"])
     for name, call in rivals.items():
-        print(f"  {name}: {clocked(call)[0] / len(few) * m / seconds:.1f} times as long")
+        spent, found = clocked(call)
+        told_of(f"{name}, {spent / len(few) * m / seconds:.1f} times as long", map(off_balance, few, found))
     told = planned(scene, set=SET, scale=SCALED, random=m, seed=1, out=words)
     counts, energies, distances = Counter(), [], []
     for chunk in told.chunks(range(m)):
