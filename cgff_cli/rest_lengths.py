@@ -105,13 +105,12 @@ def prestress(
         members, value = owners == [group.name for group in scene.groups].index(name), abs(number)
     EA = scene.axial_stiffness
     shared = (classes, equal == "force", members, value, asked["tolerance"])
-    answer = prestressed(Question(structure, EA, scene.law, *shared))
+    question = Question(structure, EA, scene.law, *shared)
+    answer = prestressed(question)
     if scene.weights is not None and scene.weights.any():
-        question, weights, down = Question(structure, EA, scene.law, *shared), scene.weights, scene.down
+        weights, down = scene.weights, scene.down
         answer = heavy(
-            question,
-            lambda l0: loads_of(scene) + weight_at_nodes(structure, weights * l0, down),
-            answer,
+            question, lambda l0: loads_of(scene) + weight_at_nodes(structure, weights * l0, down), answer
         )
     return _told(scene, asked, answer)
 

@@ -8,6 +8,7 @@ import numpy as np
 from rich.console import Group, RenderableType
 from rich.text import Text
 
+from cgff_cli.report.bench_text import TOLD_THE_ANSWER
 from cgff_cli.report.table import FEW
 from cgff_cli.report.terminal import (
     Aligned,
@@ -100,7 +101,7 @@ def _members(comparison: Comparison, shown: Sequence[Method], full: bool) -> Ite
         for title, name in (("length", "lengths"), ("force density", "force_densities")):
             yield Aligned([*_labels(comparison, title), *_values(shown, name)], keys=3)
         return
-    own = [method for method in shown if method.name in ("cgff", "fdm", "afdm", "dsvd", "schek")]
+    own = [method for method in shown if method.name in ("cgff", *TOLD_THE_ANSWER)]
     groups = comparison.source.groups
     cuts = np.cumsum([0, *(len(group.EA) for group in groups)]).tolist()
     columns = [

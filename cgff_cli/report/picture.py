@@ -14,7 +14,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 NAMED_NODES = 30
-"""Nodes that are named, elements of which every one is seen by itself."""
+"""Nodes that are named; marks of more supports get smaller."""
+
+FULL_WIDTH, FINE = 300, 3000
+"""Elements that are drawn in full width; those from which on lines get thinner still."""
 
 MOST_ARROWS = 150
 """Loads, and motions, that are drawn; of more, evenly chosen ones."""
@@ -103,8 +106,8 @@ def _elements(axes: "Axes", eye: Eye, drawing: Drawing) -> None:
 
     mid = drawing.coordinates[drawing.pairs].mean(axis=1)
     order = np.argsort(eye.depth(mid), kind="stable")
-    thin = 1.0 if len(order) > 10 * NAMED_NODES else 1.6
-    thin *= min(1.0, (3000.0 / len(order)) ** 0.5)
+    thin = 1.0 if len(order) > FULL_WIDTH else 1.6
+    thin *= min(1.0, (FINE / len(order)) ** 0.5)
     widths = np.where(drawing.struts, 2.6 * thin, thin)[order]
     dashes = [(0, (3, 2)) if slack else "solid" for slack in drawing.slack[order].tolist()]
     colors: Any = INK

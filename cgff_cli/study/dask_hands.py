@@ -26,7 +26,9 @@ def dask_hands(address: str) -> Iterator[Hands]:
     try:
         from distributed import Client
     except ImportError:
-        raise CgffError("dask needs a package more: pip install 'cgff-cli[dask]'") from None
+        raise CgffError(
+            "dask needs distributed, which is not installed: pip install 'cgff-cli[dask]'"
+        ) from None
     try:
         client = Client(address, timeout=ANSWERS_WITHIN, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
