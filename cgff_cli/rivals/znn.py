@@ -8,8 +8,13 @@ Runge and Kutta method of order 5 takes the time steps. K has no inverse where a
 pseudo-inverse stands for it. The network goes to any equilibrium, stable or not, and gets stuck where K
 loses rank on the way: of soft structures it finds what begins within a thousandth of their lengths.
 
-Of [22] only the abstract is public. gamma sets the unit of time, so 1; lambda = gamma^2 / 4, the least that
-does not swing, the rank tolerance and the accuracy of the steps are ours.
+A constant noise with a torque turns a free body, which nothing holds, the faster the less is left of the
+forces: there the integral leaves some of it.
+
+Public are abstracts (Sun, Zhao and others, Neural Comput. Appl. 34, 2022, put a modified BFGS matrix, which
+is positive, for K), and the law for eta, in programs for linear systems. gamma sets the unit of time, so 1;
+lambda = gamma^2 / 4, the most that does not swing, and the rank tolerance, accuracy and length of the steps
+are ours.
 """
 
 import numpy as np
@@ -24,7 +29,10 @@ RANK = 1e-9
 """Eigenvalues of K below this share of the largest count as none."""
 
 ACCURACY = 1e-3
-"""Error of a time step over the unknowns, the integral too: with noise it bounds what can be reached."""
+"""Error of a time step over the unknowns, the integral too."""
+
+LONGEST = 2.0
+"""Longest time step, in units of 1 / gamma: above 3.3 the method would not let decay what decays at gamma."""
 
 MOST_UNKNOWNS = 500
 """Above, the pseudo-inverses, seven each time step, are not made."""
@@ -52,7 +60,7 @@ def znn(task: Task, trace: Trace, gain: float = LAMBDA, noise: float = 0.0) -> E
         return np.concatenate([np.linalg.pinv(system.jacobian(x), RANK, hermitian=True) @ right, eta])
 
     begun = np.concatenate([system.start, np.zeros(count)])
-    path = RK45(rates, 0.0, begun, np.inf, rtol=ACCURACY, atol=np.finfo(float).eps)
+    path = RK45(rates, 0.0, begun, np.inf, max_step=LONGEST, rtol=ACCURACY, atol=np.finfo(float).eps)
     for step in range(STEPS):
         system.add(step, path.nfev, system.state(path.y[:count]))
         message = path.step()

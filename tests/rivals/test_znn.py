@@ -31,10 +31,10 @@ def test_it_takes_the_bracket_to_an_equilibrium_that_is_not_stable():
 def test_the_integral_takes_out_a_constant_noise_and_nothing_else_does(monkeypatch):
     def noisy(**gains: float) -> Method:
         monkeypatch.setitem(REGISTRY, "znn", Entry(partial(znn, noise=1e-3, **gains)))
-        options = {"repeat": 1, "time_limit": 2.0, "tolerance": 1e-4}
+        options = {"repeat": 1, "time_limit": 5.0}
         return cgff_cli.compare(STRUCTURES / "bracket.yaml", ["znn"], **options).methods[1]
 
-    assert noisy().converged
+    assert noisy().residual_relative <= 1e-12
     without = noisy(gain=0.0)
     assert not without.converged
     assert without.residual_relative > 1e-3
