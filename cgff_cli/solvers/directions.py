@@ -5,7 +5,8 @@
 A rule returns (a, b, c) from the new point, the old one, the old direction d, and M^-1 as a function; b is
 what the history calls beta. They are the textbook's with the inner product of M^-1 (Hager and Zhang, A
 survey of nonlinear conjugate gradient methods, 2006, table 1). TT and SP have <g, d> = -<g, z> whatever the
-line search did: the last two terms cancel.
+line search and the old direction did. They and HZ are of the kinds that the paper's [17] and [20] belong to,
+not those papers' own formulas.
 """
 
 from collections.abc import Callable
@@ -65,8 +66,9 @@ def spectral(new: Point, old: Point, d: np.ndarray, solved: Solved) -> Coefficie
 def hager_zhang(new: Point, old: Point, d: np.ndarray, solved: Solved) -> Coefficients:
     """Return beta = <z, y> / <d, y> - 2 <y, M^-1 y> <g, d> / <d, y>^2, or their bound if greater.
 
-    The bound is -1 / (|d| min(0.01, |g_old|)) in the plain norm (Hager and Zhang, SIAM J. Optim. 2005); the
-    one number here that scales with the objective. Forces are of order one here, as CGFF scales them.
+    The bound is -1 / (|d| min(0.01, |g_old|)) (SIAM J. Optim. 2005, as their guide to CG_DESCENT 1.1 prints
+    it), in the plain norm: M itself is not at hand. It is the one number here that scales with the objective;
+    forces are of order one, as CGFF scales them. Whatever its size, <g, d> <= -7/8 <g, z>.
     """
     y = new.g - old.g
     dy, steep = np.vdot(d, y), float(np.linalg.norm(old.g))

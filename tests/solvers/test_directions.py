@@ -59,6 +59,14 @@ def test_three_terms_and_the_spectral_rule_go_down_as_steeply_as_the_gradient_wh
         assert sum(parts) == pytest.approx(-new.gz, rel=1e-12, abs=1e-14 * whole)
 
 
+def test_hager_and_zhang_goes_down_seven_eighths_as_steeply_at_least_whatever_the_line_search():
+    for seed in range(100):
+        new, old, d, solved = drawn(seed)
+        a, b, _ = RULES["HZ"](new, old, d, solved)
+        parts = [a * new.gz, b * float(new.g @ d)]
+        assert sum(parts) <= -0.875 * new.gz + 1e-12 * sum(map(abs, parts))
+
+
 def test_three_terms_and_the_spectral_rule_are_their_formulas():
     gd = -6 - 1 + 8 - 28
     three = (-1.0, ZY / GZ_OLD, -gd / GZ_OLD)
