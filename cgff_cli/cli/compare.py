@@ -64,9 +64,9 @@ _PLOT = output_flag(
 def command(ctx: click.Context, scenes: tuple[str, ...], **values: Any) -> None:
     """Form-find scenes by CGFF and by other methods, side by side.
 
-    Without a SCENE it takes the paper's three structures, which come with the program. All methods begin
-    at the scene's own start, are judged by the scene's forces and stop at the same tolerance. A method that
-    fails is a row that says how.
+    Without a SCENE it takes the paper's three structures, which come with the program. All methods are
+    judged by the scene's forces and stop at the same tolerance, and all but --fdm, --afdm, --dsvd and
+    --schek, which take no start, begin at the scene's own. A method that fails is a row that says how.
     """
     from cgff_cli.scene.read import PAPER, shipped
     from cgff_cli.study.machine import done

@@ -9,9 +9,10 @@ E (b, c), their classes. A second decomposition finds the integral states,
 
 and of these the one nearest the prototype, q = +1 in cables and -1 in struts, is taken. The shape stays.
 
-Public are the abstract (topology and types of members alone, both rank deficiencies, then linear constraints
-on q that define one integral state), and [S -E], in programs after Yuan and Dong (2003). Ours are the nearest
-of several states, the first stage by that of `fdm`, and S and E with orthonormal columns.
+Public are an abstract (Acta Mechanica 222, 2011: topology and types of members alone, both rank deficiencies,
+then linear constraints on q that define one integral state; the name is that of Engineering with Computers
+29, 2013), and [S -E], in programs after Yuan and Dong (2003). Ours are the nearest of several states, the
+first stage by that of `fdm`, and S and E with orthonormal columns.
 """
 
 import numpy as np
