@@ -10,6 +10,7 @@ from cgff_cli.scene.findings import first_few, quoted
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers.stopping import VANISHED
 from cgff_cli.structure import Structure
+from cgff_cli.values import DEAD
 
 STRAINED = 0.1 * (1.0 + 1e-9)
 """Strain above which neither elastic law describes a cable or a strut; 0.1 but for rounding is not above."""
@@ -19,6 +20,9 @@ UNLIKE = 3.0
 
 RESIZED = 2.0
 """Factor of size above which the start was hardly that of this structure."""
+
+UNEVEN = 0.05
+"""Share of the largest pretension out of balance at the start, above which no more than a sign is right."""
 
 TOGETHER = 1e-6
 """Distance of two nodes, as a share of the median element, below which they are at one point."""
@@ -140,7 +144,43 @@ def _together(found: Found) -> str:
     )
 
 
-CAUTIONS: tuple[Callable[[Found], str], ...] = (_units, _without_force, _strained, _resized, _together)
+def _uneven(found: Found) -> str:
+    """Say where forces asked for do not balance; those of 0 ask for a length, not for a force."""
+    groups, structure = found.scene.groups, found.structure
+    asked = [group.pretension for group in groups if group.pretension is not None and group.pretension.all()]
+    if len(asked) < len(groups) or found.scene.case not in ("", DEAD):
+        return ""
+    t = np.concatenate(asked)
+    pulls = _pulls(structure, t)
+    ways = [np.abs(np.where(structure.free, total, 0.0)) for total in (pulls, pulls + structure.loads)]
+    left = min(ways, key=np.max)  # balanced alone, or with the loads that always act
+    share = float(left.max() / np.abs(t).max())
+    if not share > UNEVEN:
+        return ""
+    node = quoted(found.scene.node_names[int(left.max(axis=1).argmax())])
+    row = int(np.abs(found.forces - t).argmax())
+    group = _groups(found, np.array([row]))
+    has = f"{group} has {_figures(found.forces[row])} in place of {_figures(t[row])}"
+    return (
+        f"pretension: at the coordinates given, {_figures(100.0 * share)} % of the largest is out of "
+        f"balance, most at node {node}; in balance {has}; check signs and sizes"
+    )
+
+
+def _pulls(structure: Structure, t: np.ndarray) -> np.ndarray:
+    """Return (n, d) what forces t (b,) pull at the nodes where they start."""
+    V = structure.coordinates[structure.end] - structure.coordinates[structure.start]
+    pull = V * (t / _start_lengths(structure))[:, None]
+    total = np.zeros_like(structure.coordinates)
+    np.add.at(total, structure.start, pull)
+    np.subtract.at(total, structure.end, pull)
+    return total
+
+
+CAUTIONS: tuple[Callable[[Found], str], ...] = (
+    *(_units, _without_force, _strained, _uneven),
+    *(_resized, _together),
+)
 
 
 def _apart(X: np.ndarray, pairs: np.ndarray) -> np.ndarray:

@@ -11,6 +11,9 @@ ROUNDING = 1e-12
 """Share of all loads on a part that may be left over when they balance."""
 _SHOWN = 3
 
+_G = np.array((9.81, 9810.0, 32.2, 386.0))
+"""The earth's acceleration, in m, mm, feet and inches per second squared."""
+
 
 def component_labels(n: int, pairs: np.ndarray) -> np.ndarray:
     """Return (n,) int: which connected part each node belongs to, numbered by first node.
@@ -98,16 +101,27 @@ def warnings(
     groups: Sequence[Group],
     labels: np.ndarray,
     supports: dict[int, str],
+    gravity: Sequence[float] | None,
 ) -> tuple[str, ...]:
     """Return what is legal in a scene but seldom meant, one sentence each."""
     pairs = all_pairs(groups)
-    said = [_parallel(names, groups, pairs), _parts(names, pairs, labels)]
+    said = [_parallel(names, groups, pairs), _parts(names, pairs, labels), _acceleration(gravity)]
     loose = [names[row] for row in isolated_nodes(len(names), pairs)]
     if loose:
         said.append(f"no element joins {first_few(loose)}")
     if sum(map(len, supports.values())) == len(names) * dimension:
         said.append("every direction of every node is held, so nothing can move")
     return tuple(sentence for sentence in said if sentence)
+
+
+def _acceleration(gravity: Sequence[float] | None) -> str:
+    size = 0.0 if gravity is None else float(np.linalg.norm(gravity))
+    if not np.isclose(size, _G, rtol=0.005).any():
+        return ""
+    return (
+        f"gravity is a direction, its size {size:g} counts for nothing: weight is a force per rest length, "
+        "not a mass"
+    )
 
 
 def _parallel(names: tuple[str, ...], groups: Sequence[Group], pairs: np.ndarray) -> str:

@@ -62,7 +62,7 @@ def read_scene(findings: Findings, value: object, path: str, base: str) -> Scene
     physics.check_weight(findings, names, labels, supports, groups, gravity or (*[0.0] * (d - 1), -1.0))
     for where, own in ((("loads",), loads), *((("load_cases", name), own) for name, own in cases.items())):
         physics.check_net_loads(findings, where, names, labels, supports, own)
-    said = physics.warnings(names, d, groups, labels, supports)
+    said = physics.warnings(names, d, groups, labels, supports, gravity)
     X, files = points.coordinates, tuple(dict.fromkeys(findings.tables))
     return Scene(
         *(name, law, names, X, tuple(groups), supports, loads, solver, path, said, files),

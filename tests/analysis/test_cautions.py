@@ -7,13 +7,14 @@ import cgff_cli
 from cgff_cli.cautions import Found, cautions
 from cgff_cli.scene.families import FAMILIES
 from cgff_cli.scene.new import new
+from cgff_cli.scene.read import from_dict
 from cgff_cli.scene.scene import Scene
 from cgff_cli.study.case import built
 from cgff_cli.study.suite import cases_of, standard
 from tests.bodies import scene
 from tests.solvers.scenes import SHIPPED, shipped
 
-KINDS = ("units", "slack", "no force", "strain", "size", "fallen together")
+KINDS = ("units", "slack", "no force", "strain", "pretension", "size", "fallen together")
 PINS = {0: "xy", 1: "xy"}
 
 
@@ -87,6 +88,40 @@ def test_a_strain_above_a_tenth_names_group_and_nodes(rest: float, warned: bool)
     assert bool(said(result, "strain")) is warned
     if warned:
         assert said(result, "strain").startswith("strain: 0.11 in group 'e0' ('n0' and 'n1'), ")
+
+
+def propped(push: float, *, load: float = 0.0, case: str = "") -> cgff_cli.Result:
+    """A strut that pushes between two cables of 20 at right angles, in balance where it pushes 20 sqrt 2."""
+    ties = {"kind": "cable", "EA": 1e4, "pretension": 20.0, "pairs": [["a", "top"], ["b", "top"]]}
+    prop = {"kind": "strut", "EA": 1e4, "pretension": -push, "pairs": [["foot", "top"]]}
+    made = from_dict(
+        {
+            "law": "hooke",
+            "nodes": {"a": [-1, 0], "b": [1, 0], "foot": [0, 0], "top": [0, 1]},
+            "elements": {"ties": ties, "prop": prop},
+            "supports": {"a": "xy", "b": "xy", "foot": "xy"},
+            "loads": {"top": [0.0, -load]},
+            "load_cases": {"wind": {"top": [1.0, 0.0]}},
+        }
+    )
+    return next(cgff_cli.solve_cases(made, [case])) if case else cgff_cli.solve(made)
+
+
+def test_pretensions_out_of_balance_are_told_with_what_comes_of_them():
+    even = 20.0 * 2**0.5
+    for push, load in ((even, 0.0), (even, 5.0), (even + 5.0, 5.0), (0.97 * even, 0.0), (0.0, 0.0)):
+        assert said(propped(push, load=load), "pretension") == "", (push, load)
+    words = said(propped(-even), "pretension")
+    assert words.startswith(
+        "pretension: at the coordinates given, 200 % of the largest is out of balance, most at node 'top'; "
+        "in balance group 'prop' has "
+    )
+    assert words.endswith(" in place of 28.3; check signs and sizes")
+
+
+def test_in_a_load_case_pretensions_need_not_balance():
+    assert said(propped(20.0), "pretension")
+    assert not said(propped(20.0, case="wind"), "pretension")
 
 
 def test_the_worst_three_of_many_strained_groups_are_named():

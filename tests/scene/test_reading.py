@@ -293,6 +293,11 @@ def test_tiny_coordinates_are_harmless_and_stay():
             "every direction of every node is held, so nothing can move",
         ),
         (
+            {"gravity": [0, 0, -9.81]},
+            "gravity is a direction, its size 9.81 counts for nothing: weight is a force per rest length, "
+            "not a mass",
+        ),
+        (
             {
                 "nodes": {**TRIANGLE["nodes"], "d": [9, 9, 9], "e": [8, 8, 8]},
                 "elements": {
@@ -306,6 +311,7 @@ def test_tiny_coordinates_are_harmless_and_stay():
 )
 def test_what_is_legal_but_seldom_meant_draws_a_warning(changes, warning):
     assert scene_with().warnings == ()
+    assert scene_with(gravity=[0, 0, -2]).warnings == ()
     assert scene_with(**changes).warnings == (warning,)
 
 

@@ -17,7 +17,10 @@ from cgff_cli.report.bench_text import SHOWN, by_case, first_to, remarks, second
 PAGE = Path(__file__).parent / "README.md"
 RECORD = Path(__file__).parent / "bench.json"
 BLOCK = re.compile(r"(<!-- bench: ([\w ]+) -->\n).*?(<!-- end -->)", re.DOTALL)
-COLUMNS = ("cgff", "cgff-residual", "table1", "fdm or schek", "fsolve", "fsolve-fd", "lm", "lbfgs", "dr")
+COLUMNS = (
+    *("cgff", "cgff-residual", "table1", "fdm or schek", "afdm", "dsvd"),
+    *("fsolve", "fsolve-fd", "lm", "lbfgs", "dr", "znn", "mc"),
+)
 FAMILIES_TO = "1e-08"
 
 Row = dict[str, Any]

@@ -1,6 +1,6 @@
 """Every method of `cgff compare` on the same scenes: work to three tolerances, what was found, from where.
 
-    python tests/studies/relatives.py [--quick] [--starts 100] [--time-limit 3] [--patience 300]
+    python tests/studies/relatives.py [--quick] [--starts 100] [--time-limit 3] [--patience 300] [--noise]
 
 A method runs once from the scene's start, to 1e-12 and for up to six time limits, and once more from every
 one of --starts random starts, to 1e-6 and for up to one. It arrives where it comes to an equilibrium, stable
@@ -8,6 +8,9 @@ or not; `least` are those of the least energy that any method found from any sta
 one of more. Where a method has taken --patience seconds its other starts are not run, and the cell says of
 how many. Cells of work are iterations and milliseconds until the relative residual was within the tolerance.
 Methods that take no start, or are told the answer, have no random ones. Times are of this machine.
+
+With --noise instead how `znn` bears a constant force on every free coordinate, in units of the frame, with
+its integral and without: the relative residual it came to, after how many time steps.
 """
 
 import argparse
@@ -15,6 +18,7 @@ import os
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from itertools import chain
 from pathlib import Path
 
@@ -24,7 +28,8 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 import numpy as np
 
 import cgff_cli
-from cgff_cli.rivals.registry import REGISTRY
+from cgff_cli.rivals.registry import REGISTRY, Entry
+from cgff_cli.rivals.znn import LAMBDA, znn
 from cgff_cli.scene.scene import Scene
 from cgff_cli.structure import from_scene
 from cgff_cli.study.record import Method
@@ -43,6 +48,7 @@ AT = (1e-4, 1e-8, 1e-12)
 ARRIVED = 1e-6
 LONGER = 6.0
 Ends = dict[str, list[Method]]
+NOISES = (0.0, 1e-3, 1e-2)
 EQUILIBRIA = ("converged", "rounding_floor")
 SAME_ENERGY = 1e-6
 SEED = 1
@@ -120,6 +126,17 @@ def study(name: str, scene: Scene, count: int, limit: float, patience: float) ->
         )
 
 
+def noises(name: str, scene: Scene, limit: float) -> Iterator[str]:
+    """Yield a row for each noise."""
+    for noise in NOISES:
+        cells = []
+        for gain in (LAMBDA, 0.0):
+            REGISTRY["znn"] = Entry(partial(znn, gain=gain, noise=noise))
+            method = cgff_cli.compare(scene, ["znn"], repeat=1, time_limit=limit).methods[1]
+            cells.append(f"{method.residual_relative:.1e}, {method.iterations}")
+        yield f"| {name} | {noise:g} | {' | '.join(cells)} |"
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--starts", type=int, default=100)
@@ -127,13 +144,20 @@ def main() -> None:
     parser.add_argument("--patience", type=float, default=300.0)
     parser.add_argument("--quick", action="store_true", help="five starts, a fifth of a second each")
     parser.add_argument("--only", default="")
+    parser.add_argument("--noise", action="store_true", help="how znn bears noise, and nothing else")
     arguments = parser.parse_args()
     count, limit = (5, 0.2) if arguments.quick else (arguments.starts, arguments.time_limit)
+    chosen = scenes([name for name in arguments.only.split(",") if name])
+    if arguments.noise:
+        print("| scene | noise | with the integral | without |\n|---|--:|--:|--:|")
+        for name, scene in chosen:
+            print(*noises(name, scene, LONGER * limit), sep="\n", flush=True)
+        return
     print(
         "| scene | method | to 1e-4: iterations, ms | to 1e-8 | to 1e-12 | found | arrived, stably, least |"
     )
     print("|---|---|--:|--:|--:|---|--:|")
-    for name, scene in scenes([name for name in arguments.only.split(",") if name]):
+    for name, scene in chosen:
         study(name, scene, count, limit, arguments.patience)
 
 
