@@ -12,8 +12,8 @@ from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers.solution import Observer
 from cgff_cli.values import ALL_CASES, DEAD
 
-BEGINS = "equilibrium without cases", "start of the scene"
-"""Where a case begins: there if there is one, else where the scene does."""
+BEGINS = "equilibrium without cases", "start of the scene", "shape given"
+"""Where a case begins: the first if there is one, else the second; the third where it was put there."""
 
 
 def asked_cases(scene: Scene, case: str) -> tuple[str, ...]:
@@ -26,28 +26,40 @@ def asked_cases(scene: Scene, case: str) -> tuple[str, ...]:
 
 
 def solve_cases(
-    scene: Scene, names: Iterable[str], *, observer: Observer | None = None, **changes: object
+    scene: Scene | str, names: Iterable[str], *, observer: Observer | None = None, **changes: object
 ) -> Iterator[Result]:
     """Yield the Result of a scene in each load case or combination, whatever their order; see `solve`.
 
-    Each begins at the scene's own equilibrium without cases, where it has one: result.scene["begins"] tells.
-    Raises OptionError for a case that the scene has not.
+    Each begins at the scene's own equilibrium without cases, where it has one, unless the scene's `begins`
+    says that it is to begin where it stands: result.scene["begins"] tells. Raises OptionError for a case that
+    the scene has not.
     """
-    names = list(names)
+    if not isinstance(scene, Scene):
+        from cgff_cli.scene.read import load
+
+        scene = load(scene)
     scenes = [scene.in_case(name) for name in names]  # before anything is solved
-    dead = pipeline.solve(scene.in_case(DEAD), observer=observer, **changes)
-    if dead.interrupted:  # what is left of it is the result of none of them
+
+    def run(own: Scene) -> Result:
+        return pipeline.solve(own, observer=observer, **changes)
+
+    dead = None if scene.begins else run(scene.in_case(DEAD))
+    if dead and dead.interrupted:  # what is left of it is the result of none of them
         raise KeyboardInterrupt
-    begins = BEGINS[not dead.converged]
-    for name, own in zip(names, scenes, strict=True):
-        if name == DEAD:
+    for own in scenes:
+        if dead and own.case == DEAD:
             yield dead
             continue
-        begun = own.with_coordinates(dead.coordinates) if dead.converged else own
-        result = pipeline.solve(replace(begun, begins=begins), observer=observer, **changes)
+        result = run(_after(dead, own) if dead else own)
         yield result
         if result.interrupted:
             return
+
+
+def _after(dead: Result, scene: Scene) -> Scene:
+    """Return a scene that begins where the one without cases came to, if its forces balance there."""
+    begun = scene.with_coordinates(dead.coordinates) if dead.converged else scene
+    return replace(begun, begins=BEGINS[not dead.converged])
 
 
 @dataclass

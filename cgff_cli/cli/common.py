@@ -125,10 +125,10 @@ def say(text: str) -> None:
         click.echo(text, err=True)
 
 
-def warn_of(scene: str, warnings: Iterable[str]) -> None:
-    """Write the warnings about a scene to standard error, unless -q was given."""
+def warn_of(scene: str, warnings: Iterable[str], case: str | None = None) -> None:
+    """Write the warnings about a scene, in a load case, to standard error, unless -q was given."""
     for warning in () if wanted("quiet") else warnings:
-        say(f"cgff: {title(scene)}: warning: {warning}")
+        say(f"cgff: {title(scene, case)}: warning: {warning}")
 
 
 def note_of(scene: str, notes: Iterable[str]) -> None:
@@ -137,9 +137,9 @@ def note_of(scene: str, notes: Iterable[str]) -> None:
         say(f"cgff: {title(scene)}: note: {note}")
 
 
-def title(scene: str) -> str:
-    """Return what a scene is called in words: its path, or <stdin>."""
-    return "<stdin>" if scene == "-" else scene
+def title(scene: str, case: str | None = None) -> str:
+    """Return what a scene is called in words: its path, or <stdin>, and the load case it is in."""
+    return ("<stdin>" if scene == "-" else scene) + (f" [{case}]" if case else "")
 
 
 def tell(pieces: Iterable[str]) -> None:

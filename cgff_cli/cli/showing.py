@@ -24,8 +24,8 @@ def shown_of(
         source = result.source
         refuse_inputs(targets, ((own, f"a file of {title(path)}") for own in source.files))
         is_solved = not (as_given or source.is_geometry)
-        warn_of(path, (result if is_solved else source).warnings)
-        if not is_solved or source.is_answer or result.converged:
+        warn_of(path, (result if is_solved else source).warnings, source.case)
+        if not is_solved or source.answer or result.converged:
             yield result, ExitCode.OK
             continue
         say(f"cgff: {title(path)}: {result.message}")

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, MutableMapping, Sequence
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from cgff_cli.cli.common import (
@@ -127,6 +127,7 @@ class Solving:
 
 def _begun(scene: "Scene", start: str) -> "Scene":
     """Return a scene that begins at the shape of a result, its supports where they are."""
+    from cgff_cli.cases import BEGINS
     from cgff_cli.scene.findings import first_few
     from cgff_cli.scene.read import load
 
@@ -143,7 +144,7 @@ def _begun(scene: "Scene", start: str) -> "Scene":
             f"--start {start}: has {shape.dimension} dimensions, {scene.path} {scene.dimension}"
         )
     rows = [shape.row_of(name) for name in scene.node_names]
-    return scene.begun_at(shape.coordinates[rows])
+    return replace(scene.begun_at(shape.coordinates[rows]), begins=BEGINS[2])
 
 
 @contextmanager
@@ -204,9 +205,9 @@ def took(ended: "Done", outputs: Outputs, journal: "MutableMapping[str, Any]") -
     codes = [_note(ended, journal)]
     for row in kept.rows:
         if not outputs.on_page:
-            warn_of(scene, row["warnings"])
+            warn_of(scene, row["warnings"], row["case"])
         note_of(scene, row["notes"])
-        codes.append(_tell(title(scene), row))
+        codes.append(_tell(title(scene, row["case"]), row))
     return worst(*codes)
 
 
@@ -223,7 +224,6 @@ def _note(ended: "Done", journal: "MutableMapping[str, Any]") -> ExitCode:
 
 def _tell(name: str, row: "Row") -> ExitCode:
     """Say on standard error what a reader of the exit code alone would miss."""
-    name = f"{name} [{row['case']}]" if row["case"] else name
     if not row["converged"] or row["interrupted"] or wanted("verbose"):
         say(f"cgff: {name}: {row['verdict']}: {row['message']}")
     if row["interrupted"]:

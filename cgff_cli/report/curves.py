@@ -8,17 +8,37 @@ import numpy as np
 
 from cgff_cli.errors import CgffError, OptionError
 from cgff_cli.report.plots import MARKERS
+from cgff_cli.result import Result
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+HISTORY = ("iteration", "residual_max", "gradient_norm")
+"""The column along a history's curves, and the curves."""
 
 MOST_CURVES = 9
 """Values of a second swept number that are a curve each."""
 
 
+def history_of(result: Result) -> tuple[Mapping[str, Sequence[Any]], str]:
+    """Return how a solve went and its verdict, as the file of a result tells it; raises OptionError."""
+    answer = result.source.answer
+    history: Any = result.history if answer is None else answer["history"]
+    columns = [history.get(name) for name in HISTORY] if isinstance(history, dict) else []
+    sizes = {len(own) if isinstance(own, list) and _are_numbers(own) else 0 for own in columns}
+    if len(sizes) != 1 or 0 in sizes:
+        raise OptionError(f"--history: {result.source.path} tells none; a scene is solved, not one as given")
+    return history, str(result.verdict if answer is None else answer["verdict"])
+
+
+def _are_numbers(values: Sequence[object]) -> bool:
+    """Return whether all are numbers; null stands for what is not finite."""
+    return all(value is None or (isinstance(value, (int, float))) for value in values)
+
+
 def draw_history(history: Mapping[str, Sequence[Any]], title: str, axes: "Axes") -> None:
     """Draw residual and gradient against iterations."""
-    for number, name in enumerate(("residual_max", "gradient_norm")):
+    for number, name in enumerate(HISTORY[1:]):
         values = np.array(history[name], dtype=float)
         shown = np.where(values > 0.0, values, np.nan)
         axes.plot(history["iteration"], shown, label=name, color=f"C{number}", linestyle=("-", "--")[number])

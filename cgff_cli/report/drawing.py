@@ -55,7 +55,7 @@ def results_of(path: str, case: str | None, as_given: bool) -> Iterator[Result]:
     Raises SceneError for a bad file, OptionError for a case that is not there, or of what is not solved.
     """
     scene = load(path, results=True)
-    is_solved = not (as_given or scene.is_geometry or scene.is_answer)
+    is_solved = not (as_given or scene.is_geometry or scene.answer)
     if case is not None and not is_solved:
         raise OptionError(f"--case {case}: {path} is drawn as it is; a case is of a scene that is solved")
     if case is not None:

@@ -26,12 +26,13 @@ class Shown(NamedTuple):
 
 
 def write_picture(result: Result, asked: Shown, path: str, form: str) -> None:
-    """Write the picture of a result; raises OptionError for a mode that is not there, CgffError."""
+    """Write the picture of a result; raises OptionError for a mode or history not there, CgffError."""
     if asked.history:
-        from cgff_cli.report.curves import draw_history
+        from cgff_cli.report.curves import draw_history, history_of
 
         figure = _paper(WIDTH, HEIGHT)
-        draw_history(result.history, f"{result.source.name}: {result.verdict}", figure.subplots())
+        history, verdict = history_of(result)
+        draw_history(history, f"{result.source.name}: {verdict}", figure.subplots())
     else:
         from cgff_cli.report.picture import draw_structure, eye_for
 

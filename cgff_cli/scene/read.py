@@ -103,16 +103,16 @@ def _read(text: str, path: str, base: str, results: bool) -> Scene:
     """Return the scene of a text; it is read again where what was found wrong is then seen more sharply."""
     document = _json(text, path) or Document(yaml_events(text))
     while True:
-        findings, value, moved = Findings(document.faults), document.value, _unmoved
+        findings, value, moved, answer = Findings(document.faults), document.value, _unmoved, None
         if is_result(value):
             if not results:
                 raise SceneError([Problem(path, *document.place((), False), NO_SCENE)])
             found = ResultValues(value)
-            value, moved = found.value, found.where
+            value, moved, answer = found.value, found.where, found.answer
         scene = read_scene(findings, value, path, base) if document.whole else None
         if scene is not None and findings.none:
             place = document.place(("elements",), True)
-            return replace(scene, elements_at=place, is_answer=is_result(document.value))
+            return replace(scene, elements_at=place, answer=answer)
         if not document.sharpened(map(moved, findings.wheres)):
             raise SceneError(findings.problems(path, _placing(document.place, moved)))
 

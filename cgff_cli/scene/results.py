@@ -18,7 +18,8 @@ def is_result(value: object) -> bool:
 class ResultValues:
     """A result's values in the form of a scene's, and where each of those stands in the result.
 
-    value : what `read_scene` takes; supports and loads as solved, and of the options the tolerance
+    value  : what `read_scene` takes; supports and loads as solved, and of the options the tolerance
+    answer : how that solve went, its verdict and its history
     """
 
     def __init__(self, value: dict[str, Any]):
@@ -39,6 +40,7 @@ class ResultValues:
             "solver": {name: options[name] for name in ("tolerance",) if name in options},
         }
         self.value = {name: own for name, own in told.items() if own is not None}
+        self.answer = {name: value.get(name) for name in ("verdict", "history")}
 
     def where(self, where: Where) -> Where:
         """Return where in the result a value of the scene stands."""

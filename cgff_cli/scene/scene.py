@@ -59,7 +59,7 @@ class Scene:
     begins      : where a solve of a case begins        whole : the scene that it is a case of
     own         : keys that begin with x-, and their plain values
     notes       : what was passed over while reading, for whoever wants many words
-    is_answer   : it was read from the result of a solve
+    answer      : where it was read from the result of a solve, that result's verdict and history
     """
 
     name: str
@@ -82,7 +82,7 @@ class Scene:
     whole: "Scene | None" = None
     own: Mapping[str, object] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
-    is_answer: bool = False
+    answer: Mapping[str, object] | None = None
 
     @property
     def dimension(self) -> int:

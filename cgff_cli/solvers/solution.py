@@ -71,9 +71,10 @@ class History:
         k, state, (step, alpha, cg_beta, restarted), evaluations = iterate
         frame, objective = self.frame, self.objective
         is_energy = objective.name == "energy"
+        value = objective.value(state)
         return (
             k,
-            objective.value(state) * (frame.energy if is_energy else frame.force * frame.force),
+            _from_origin(value, state.mechanics) if is_energy else value * frame.force * frame.force,
             largest(state.g) * frame.force,
             objective.size(state) * (frame.force if is_energy else frame.force * frame.stiffness),
             step * frame.length,
@@ -82,6 +83,12 @@ class History:
             evaluations,
             restarted,
         )
+
+
+def _from_origin(energy: float, mechanics: Mechanics) -> float:
+    """Return an energy of the frame where loads do work from the user's own origin."""
+    frame = mechanics.frame
+    return energy * frame.energy - float((mechanics.structure.loads * frame.centre).sum())
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,7 +214,7 @@ class Solution:
     @property
     def energy(self) -> float:
         """Total potential energy; loads do work from the user's own origin."""
-        state, structure, frame = self.state, self.mechanics.structure, self.mechanics.frame
+        state = self.state
         shrunk = (self.mechanics.l0 == 0.0) & (self._some_length == 0.0)
-        energy = state.energy - float(elements.energy(state.t[shrunk], state.e[shrunk]))
-        return energy * frame.energy - float((structure.loads * frame.centre).sum())
+        gone = float(elements.energy(state.t[shrunk], state.e[shrunk]))
+        return _from_origin(state.energy - gone, self.mechanics)

@@ -192,6 +192,13 @@ def test_a_scene_written_again_says_what_it_said_but_with_rest_lengths(run: Run,
     )
 
 
+def test_a_case_begins_at_the_shape_it_is_given_and_ends_there_where_it_balances(run: Run, roof: str):
+    run("solve", roof, "--case", "snow", "-o", "snow.json")
+    told = json.loads(run("solve", roof, "--case", "snow", "--start", "snow.json").stdout)
+    assert (told["scene"]["begins"], told["counts"]["iterations"]) == ("shape given", 0)
+    assert told["nodes"] == json.loads(Path("snow.json").read_text())["nodes"]
+
+
 def test_supports_stay_where_the_scene_has_them_whatever_the_start(run: Run, roof: str):
     run("solve", roof, "-o", "a.json")
     Path("moved.yaml").write_text(ROOF.replace("e: [8, 0]", "e: [8.1, 0]"))

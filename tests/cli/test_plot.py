@@ -9,6 +9,7 @@ import pytest
 
 import cgff_cli
 from cgff_cli.report import plots
+from cgff_cli.report.curves import history_of
 from cgff_cli.report.drawing import results_of
 from tests.cli.conftest import Run
 
@@ -122,7 +123,9 @@ def test_a_result_is_drawn_as_it_is_and_a_scene_solved_unless_it_is_not_to_be(ru
 
 def test_modes_histories_cases_and_sweeps_have_pictures(run: Run):
     assert run("plot", "prism.yaml", "--mode", "1", "-o", "mode.png").exit_code == 0
-    assert run("plot", "prism.yaml", "--history", "-o", "history.png").exit_code == 0
+    run("solve", "prism.yaml", "-o", "prism.json")
+    for name in ("prism.yaml", "prism.json"):
+        assert run("plot", name, "--history", "-o", f"{name}.png").exit_code == 0
     flags = ("--set", "struts.EA=10,100,1000", "--set", "verticals.EA=10,100", "--out", "slack")
     run("sweep", "prism.yaml", *flags, "-o", "rows.csv")
     assert run("plot", "--sweep", "rows.csv", "-o", "rows.png").exit_code == 0
@@ -136,6 +139,7 @@ def test_modes_histories_cases_and_sweeps_have_pictures(run: Run):
         (("prism.yaml", "--view", "frnt", "-o", "a.png"), 2, "view 'frnt' is none; did you mean 'front'?"),
         (("prism.yaml", "--case", "all", "-o", "a.png"), 2, "--case all: a picture is of one case"),
         (("prism.yaml", "--case", "snow", "--as-given", "-o", "a.png"), 2, "prism.yaml is drawn as it is"),
+        (("prism.yaml", "--as-given", "--history", "-o", "a.png"), 2, "--history: prism.yaml tells none"),
         (("prism.yaml", "--mode", "90", "-o", "a.png"), 2, "mode 90: there are"),
         (("--sweep", "prism.yaml", "-o", "a.png"), 2, "prism.yaml: is no table of rows that"),
         (("--sweep", "none.csv", "-o", "a.png"), 1, "none.csv: cannot be read: No such file or directory"),
@@ -145,6 +149,23 @@ def test_modes_histories_cases_and_sweeps_have_pictures(run: Run):
 def test_what_cannot_be_drawn_is_told(run: Run, flags: tuple[str, ...], code: int, told: str):
     ended = run("plot", *flags)
     assert (ended.exit_code, told in ended.stderr) == (code, True), ended.stderr
+
+
+def test_the_history_of_a_result_is_that_of_its_file(run: Run):
+    told = json.loads(run("solve", "prism.yaml", "-o", "-").stdout)
+    Path("prism.json").write_text(json.dumps(told))
+    history, verdict = history_of(next(results_of("prism.json", None, False)))
+    assert (history, verdict) == (told["history"], "converged")
+    for broken in (
+        None,
+        [],
+        {},
+        told["history"] | {"residual_max": ["a"]},
+        told["history"] | {"iteration": []},
+    ):
+        Path("prism.json").write_text(json.dumps(told | {"history": broken}))
+        ended = run("plot", "prism.json", "--history", "-o", "a.png")
+        assert (ended.exit_code, "--history: prism.json tells none" in ended.stderr) == (2, True)
 
 
 def test_it_needs_matplotlib_and_says_which_command_brings_it(run: Run, monkeypatch: pytest.MonkeyPatch):
@@ -157,8 +178,8 @@ def test_it_needs_matplotlib_and_says_which_command_brings_it(run: Run, monkeypa
 
 def test_a_result_read_again_knows_that_it_is_one(run: Run):
     run("solve", "prism.yaml", "-o", "prism.json")
-    assert cgff_cli.load("prism.json", results=True).is_answer
-    assert not cgff_cli.load("prism.yaml", results=True).is_answer
+    assert cgff_cli.load("prism.json", results=True).answer["verdict"] == "converged"
+    assert not cgff_cli.load("prism.yaml", results=True).answer
     assert json.loads(Path("prism.json").read_text())["schema"] == "cgff-result/1"
 
 

@@ -65,6 +65,14 @@ def test_the_first_and_last_rows_hold_the_energy_of_the_shapes_at_either_end():
     assert result.history["objective"][-1] == pytest.approx(result.energy, rel=1e-10)
 
 
+@pytest.mark.parametrize("away", [0.0, 1000.0])
+def test_loads_do_work_from_the_origin_in_the_history_as_in_the_energy(away: float):
+    scene = shipped("bracket")
+    result = cgff_cli.solve(scene.with_coordinates(scene.coordinates + away))
+    assert result.source.loads
+    assert result.history["objective"][-1] == pytest.approx(result.energy, rel=1e-12)
+
+
 def test_under_the_squared_residual_the_objective_is_half_the_squared_norm():
     result = cgff_cli.solve(shipped("prism"), objective="residual", max_iterations=4)
     assert result.history["objective"][-1] == pytest.approx(result.residual["norm"] ** 2 / 2.0, rel=1e-12)
