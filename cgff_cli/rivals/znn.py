@@ -31,7 +31,7 @@ RANK = 1e-9
 ACCURACY = 1e-3
 """Error of a time step over the unknowns, the integral too."""
 
-LONGEST = 2.0
+LONGEST_STEP = 2.0
 """Longest time step, in units of 1 / gamma: above 3.3 the method would not let decay what decays at gamma."""
 
 MOST_UNKNOWNS = 500
@@ -60,7 +60,7 @@ def znn(task: Task, trace: Trace, gain: float = LAMBDA, noise: float = 0.0) -> E
         return np.concatenate([np.linalg.pinv(system.jacobian(x), RANK, hermitian=True) @ right, eta])
 
     begun = np.concatenate([system.start, np.zeros(count)])
-    path = RK45(rates, 0.0, begun, np.inf, max_step=LONGEST, rtol=ACCURACY, atol=np.finfo(float).eps)
+    path = RK45(rates, 0.0, begun, np.inf, max_step=LONGEST_STEP, rtol=ACCURACY, atol=np.finfo(float).eps)
     for step in range(STEPS):
         system.add(step, path.nfev, system.state(path.y[:count]))
         message = path.step()

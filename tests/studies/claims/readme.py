@@ -28,6 +28,7 @@ def text(data: dict[str, Any]) -> str:
         | _iterations(data["iterations"])
         | _speed(data["speed"])
         | _convexity(data["convexity"])
+        | _relatives(data["relatives"])
     )
     return TEMPLATE.read_text(encoding="utf-8").format(command=COMMAND, **figures)
 
@@ -150,3 +151,20 @@ def _convexity(found: dict[str, Any]) -> dict[str, str]:
         "stable": str(sum(one["stable"] for one in energy)),
         "energy_runs": str(sum(sum(one.values()) for one in energy)),
     }
+
+
+def _relatives(found: dict[str, Any]) -> dict[str, str]:
+    figures = {}
+    for objective in ("energy", "residual"):
+        counts = [found["rules"][name][objective] for name in NAMES]
+        figures[f"fr_{objective}"] = _each(own["FR"] for own in counts)
+        others = [[count for rule, count in own.items() if rule != "FR"] for own in counts]
+        figures[f"rules_{objective}"] = _each(f"{min(own)} to {max(own)}" for own in others)
+    for method in ("znn", "mc"):
+        rows = [found[method][name] for name in NAMES]
+        figures |= {
+            f"{method}_own": _each(row["iterations"] if row["stable"] else "no" for row in rows),
+            f"{method}_reached": _each(row["reached"] for row in rows),
+            f"{method}_stably": _each(row["stably"] for row in rows),
+        }
+    return figures
