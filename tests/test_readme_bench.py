@@ -44,6 +44,11 @@ def test_cgff_has_an_answer_in_every_case_of_the_record_and_equal_energies_one_s
     assert not [(row["case"], row["method"]) for row in RECORDED["rows"] if row["same_answer"] is False]
 
 
+def test_no_row_of_the_record_is_converged_but_where_the_scenes_own_forces_balance():
+    balanced = [row["verdict"] in ("converged", "rounding_floor") for row in RECORDED["rows"]]
+    assert [row["converged"] for row in RECORDED["rows"]] == balanced
+
+
 def test_the_fields_of_a_row_are_those_of_the_program():
     assert [name for row in rows("Bench rows") for name in code_in(row[0])] == list(ROW_FIELDS)
 

@@ -94,6 +94,7 @@ def all_cases_page(rows: Sequence[Row]) -> Iterator[RenderableType]:
         Column("method", methods),
         Column("cases", [str(len(own[method])) for method in methods], True),
         Column("equilibrium", [str(number) for number in balanced], True),
+        Column("another", [str(ends[method]["other_equilibrium"]) for method in methods], True),
         Column("out of time", [str(ends[method]["time_limit"]) for method in methods], True),
         Column("failed", [str(ends[method]["failed"]) for method in methods], True),
     ]
@@ -114,6 +115,9 @@ def remarks(rows: Sequence[Row]) -> Iterator[tuple[str, str]]:
         wrong = [row["case"] for row in judged if not row["as_expected"]]
         right = len(judged) - len(wrong)
         yield "expected", f"{right} of {len(judged)} cases end as their suite says{_but(wrong)}"
+    near = [f"{row['case']} ({row['method']})" for row in rows if row["verdict"] == "same_shape"]
+    if near:
+        yield "cgff's shape", f"found to 1e-8, but out of balance by the difference: {_listed(near)}"
     pairs = [row for row in rows if row["same_answer"] is not None]
     if pairs:
         other = [
@@ -130,7 +134,10 @@ def remarks(rows: Sequence[Row]) -> Iterator[tuple[str, str]]:
 
 def _but(names: Sequence[str]) -> str:
     """Return "; not: ..." for exceptions by name, nothing where there are none."""
-    if not names:
-        return ""
+    return f"; not: {_listed(names)}" if names else ""
+
+
+def _listed(names: Sequence[str]) -> str:
+    """Return names in a row, of many the first few."""
     more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
-    return f"; not: {', '.join(map(clean, names[:_NAMED]))}{more}"
+    return f"{', '.join(map(clean, names[:_NAMED]))}{more}"

@@ -23,8 +23,17 @@ def verdict_of(found: Equilibria) -> str:
         return f"no stable equilibrium in {starts}"
     many = count(len(stable), "stable equilibrium", "stable equilibria")
     kinds = count(len({own["kind"] for own in stable}), "kind")
-    best = f"the one of least energy, {number(stable[0]['energy'])}, from {stable[0]['count']}"
-    return f"{many} of {kinds} in {starts}; {best}"
+    return f"{many} of {kinds} in {starts}; {_least(found)}"
+
+
+def _least(found: Equilibria) -> str:
+    """Return which energy is the least, how many shapes have it, and how many starts led to them."""
+    best = [found.shapes[place] for place in found.least]
+    energy, starts = number(best[0].energy_told), sum(own.count for own in best)
+    if len(best) == 1:
+        return f"the one of least energy, {energy}, from {starts}"
+    kinds = count(len({found.kinds_of[place] for place in found.least}), "kind")
+    return f"{len(best)} shapes of {kinds} share the least energy, {energy}, from {starts}"
 
 
 def equilibria_page(found: Equilibria, full: bool = False) -> Iterator[RenderableType]:
@@ -33,7 +42,8 @@ def equilibria_page(found: Equilibria, full: bool = False) -> Iterator[Renderabl
         (clean(found.source.name), "bold"), "  ", ("interrupted" if found.is_interrupted else "", "yellow")
     )
     yield fields(_facts(found))
-    entries = found.equilibria
+    told = (own.energy_told for own in found.shapes)
+    entries = [own | {"energy": energy} for own, energy in zip(found.equilibria, told, strict=True)]
     if entries:
         yield Aligned(list(_rows(entries) if full or len(entries) <= FEW else _kinds(entries)))
 

@@ -24,6 +24,7 @@ VERDICTS = {
     "interrupted": ("interrupted", "yellow"),
     "bad_scene": ("bad scene", "red"),
     "error": ("error", "red"),
+    "same_shape": ("cgff's shape", "yellow"),
     "other_equilibrium": ("another equilibrium", "yellow"),
     "gave_up": ("gave up", "red"),
     "time_limit": ("time limit", "red"),

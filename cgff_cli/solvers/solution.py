@@ -218,3 +218,13 @@ class Solution:
         shrunk = (self.mechanics.l0 == 0.0) & (self._some_length == 0.0)
         gone = float(elements.energy(state.t[shrunk], state.e[shrunk]))
         return _from_origin(state.energy - gone, self.mechanics)
+
+    @property
+    def energy_floor(self) -> float:
+        """Estimated rounding error of energy: of extensions, however small, and of the work of loads."""
+        state, structure, frame = self.state, self.mechanics.structure, self.mechanics.frame
+        blur = self.mechanics.k * state.rounding * (np.abs(state.e) + state.rounding)
+        places = np.abs(self.shape) + np.abs(frame.centre)
+        return float(blur.sum()) * frame.energy + elements.EPS * float(
+            (np.abs(structure.loads) * places).sum()
+        )

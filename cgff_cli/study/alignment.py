@@ -4,6 +4,9 @@ import numpy as np
 
 from cgff_cli.mechanics.rigid import RigidMotions
 
+SAME_SHAPE = 1e-8
+"""Shapes are one where no node, or no distance, is farther from the other's, over the structure's size."""
+
 MOST_NODES_FOR_DISTANCES = 5000
 """Nodes up to which all n^2 distances are compared."""
 

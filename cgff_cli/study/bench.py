@@ -9,7 +9,7 @@ from cgff_cli import TOOL, pipeline
 from cgff_cli.errors import OptionError, Problem, SceneError
 from cgff_cli.options import OPTIONS
 from cgff_cli.scene.scene import Scene
-from cgff_cli.study.alignment import distance_difference, size
+from cgff_cli.study.alignment import SAME_SHAPE, distance_difference, size
 from cgff_cli.study.case import REFUSED, Case, as_expected, built, outcome
 from cgff_cli.study.compare import BeforeRun, chosen, compare
 from cgff_cli.study.digest import contents, digest_of, machine
@@ -23,9 +23,6 @@ TIME_LIMIT = 10.0
 
 SAME_ENERGY = 1e-9
 """Energies that differ by no more, relatively, are one energy."""
-
-SAME_SHAPE = 1e-8
-"""Shapes whose distances differ by no more, over the structure's size, are one shape."""
 
 ROW_FIELDS = (
     *("suite", "case", "method", "nodes", "elements", "dimension"),

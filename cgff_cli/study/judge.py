@@ -15,14 +15,21 @@ from cgff_cli.rivals.task import TOLERANCES, AtResidual, AtShape, End, Stop, Tas
 from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers.solution import Solution
 from cgff_cli.solvers.stopping import Gauge, Verdict, Watch
-from cgff_cli.study.alignment import affinely, distance_difference, laid_over, largest_move, size
+from cgff_cli.study.alignment import (
+    SAME_SHAPE,
+    affinely,
+    distance_difference,
+    laid_over,
+    largest_move,
+    size,
+)
 from cgff_cli.study.record import Method
 
 EVALUATIONS_PER_ITERATION = 50
 """Evaluations a rival may take for every iteration that the option max_iterations gives CGFF."""
 
-CONVERGED = (Verdict.CONVERGED, Verdict.ROUNDING_FLOOR, "other_equilibrium")
-"""Verdicts that stand for an equilibrium: of the scene, or of a method's own force densities."""
+CONVERGED = (Verdict.CONVERGED, Verdict.ROUNDING_FLOOR)
+"""Verdicts that stand for an equilibrium of the scene; a balance of other force densities is none."""
 
 EXACT = 2.0**12
 """Rounding floors of force that a shape right to about 1e-12 of its size may leave out of balance."""
@@ -86,11 +93,12 @@ def judged(scene: Scene, task: Task, name: str, runs: list[Attempt], cgff: Solut
     alignment = "affine" if REGISTRY[name].is_affine else task.alignment
     X = end.X if cgff is None else laid_over(end.X, cgff.shape, alignment)
     solution = solution_at(task, X if alignment == "affine" else end.X)
-    verdict, message = _verdict(solution, end, runs[0].trace.time_limit)
+    shape_error = _shape_error(X, alignment, task)
+    verdict, message = _verdict(solution, end, runs[0].trace.time_limit, shape_error)
     lengths, q = solution.lengths, solution.force_densities
     if end.force_densities is not None:
         q = _scaled(end.force_densities, cgff) if alignment == "affine" else end.force_densities
-    own, placed = cgff or solution, solution.placed(X)
+    own = cgff or solution
     return Method(
         name=name,
         verdict=verdict,
@@ -103,7 +111,7 @@ def judged(scene: Scene, task: Task, name: str, runs: list[Attempt], cgff: Solut
         residual_relative=solution.relative,
         energy=solution.energy,
         alignment=alignment,
-        X=placed,
+        X=solution.placed(X),
         lengths=lengths,
         force_densities=q,
         max_node_difference=largest_move(X, own.shape),
@@ -112,12 +120,12 @@ def judged(scene: Scene, task: Task, name: str, runs: list[Attempt], cgff: Solut
         distance_matrix_difference=distance_difference(X, own.shape),
         curve=_medians(AtResidual, [run.trace.by_residual for run in runs]),
         shape_curve=_medians(AtShape, [run.trace.by_shape for run in runs]),
-        shape_error=_shape_error(placed, alignment, task),
+        shape_error=shape_error,
         node_names=scene.node_names,
     )
 
 
-def _verdict(solution: Solution, end: End, time_limit: float) -> tuple[str, str]:
+def _verdict(solution: Solution, end: End, time_limit: float, shape_error: float) -> tuple[str, str]:
     """Return the verdict and a sentence on it: what the forces say first, then what the method says."""
     ended, message, formed = end.verdict, end.message, end.verdict == "form_found"
     if solution.verdict.converged:
@@ -126,6 +134,11 @@ def _verdict(solution: Solution, end: End, time_limit: float) -> tuple[str, str]
     if formed and solution.residual_max <= EXACT * solution.floor:
         words = f"equilibrium to the rounding of its coordinates: {left} ({message})"
         return Verdict.ROUNDING_FLOOR.value, words
+    if formed and shape_error <= SAME_SHAPE:
+        return "same_shape", (
+            f"cgff's shape to {shape_error:.1e} of its size, {message}; so small a difference, times the "
+            f"stiffness, leaves an {left}"
+        )
     if formed:
         return "other_equilibrium", (
             f"a self-stressed form of this connectivity, {message}, which the scene's EA and rest lengths "
@@ -142,7 +155,7 @@ def _verdict(solution: Solution, end: End, time_limit: float) -> tuple[str, str]
 
 def _stable(scene: Scene, task: Task, solution: Solution, verdict: str) -> bool | None:
     """Return whether an equilibrium of the scene is stable; None where it is none, or that is not known."""
-    if verdict not in CONVERGED[:2]:
+    if verdict not in CONVERGED:
         return None
     balanced = replace(solution, verdict=Verdict(verdict))
     stable: bool | None = analysed(scene, balanced, task.options)["stable"]
@@ -159,7 +172,7 @@ def _shape_error(X: np.ndarray, alignment: str, task: Task) -> float:
 
     A form known up to an affine map already lies where CGFF's answer is.
     """
-    target = task.best.coordinates
+    target = task.best.shape
     laid = X if alignment == "affine" else laid_over(X, target, task.alignment)
     return largest_move(laid, target) / size(target)
 

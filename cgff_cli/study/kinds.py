@@ -6,12 +6,13 @@ import numpy as np
 
 from cgff_cli.structure import Structure
 from cgff_cli.study.alignment import size
+from cgff_cli.study.levels import levels
 from cgff_cli.study.shapes import Nearby, Shape
 from cgff_cli.study.symmetries import Symmetries
 
 
 def by_kind(structure: Structure, shapes: list[Shape]) -> tuple[list[int], list[Shape]]:
-    """Return kinds, from 1, and the shapes in the order of energies.
+    """Return kinds, from 1, and the shapes in the order of energies, the kind found first before its equals.
 
     All of a kind have one energy, that of the first found, so that rounding does not part them.
     """
@@ -27,8 +28,10 @@ def by_kind(structure: Structure, shapes: list[Shape]) -> tuple[list[int], list[
             firsts.append(own)
             symmetries.append(Symmetries(structure, own.leeway))
             nearby.add(whole)
-        found.append((replace(own, energy=firsts[place].energy), place))
-    found.sort(key=lambda pair: (pair[0].energy, pair[1], pair[0].first_start))
+        one = firsts[place]
+        found.append((replace(own, energy=one.energy, energy_floor=one.energy_floor), place))
+    level = levels(firsts)
+    found.sort(key=lambda pair: (level[pair[1]], pair[1], pair[0].first_start))
     numbers: dict[int, int] = {}
     return [numbers.setdefault(place, len(numbers) + 1) for _, place in found], [own for own, _ in found]
 

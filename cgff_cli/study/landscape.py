@@ -5,6 +5,7 @@ from typing import Any
 
 from cgff_cli import TOOL
 from cgff_cli.scene.scene import Scene
+from cgff_cli.study.levels import levels
 from cgff_cli.study.shapes import Shape, Shapes
 
 EQUILIBRIA_SCHEMA = "cgff-equilibria/1"
@@ -59,6 +60,13 @@ class Equilibria:
     def kinds(self) -> int:
         """Number of kinds among the equilibria listed."""
         return len(set(self.kinds_of))
+
+    @property
+    def least(self) -> list[int]:
+        """Places of the stable equilibria of the least energy: of all that rounding does not tell from it."""
+        stable = [place for place, own in enumerate(self.shapes) if own.stability == "stable"]
+        level = levels([self.shapes[place] for place in stable])
+        return [place for place, own in zip(stable, level, strict=True) if own == 0]
 
     def led_to(self, stability: str | None) -> int:
         """Return how many starts led to equilibria of that stability; None: which it is cannot be told."""

@@ -14,8 +14,10 @@ from cgff_cli.solvers.solution import Solution
 class Method(NamedTuple):
     """One method's row; None is what was not computed, or never reached.
 
-    verdict           : one of Verdict's, or "other_equilibrium" (of its own force densities, not of the
-                        scene's), "gave_up", "time_limit", "failed"; message says it in a sentence
+    verdict           : one of Verdict's, or "same_shape" (CGFF's, but out of balance by the difference),
+                        "other_equilibrium" (of its own force densities, not of the scene's), "gave_up",
+                        "time_limit", "failed"; message says it in a sentence
+    converged         : whether the scene's own forces balance: verdict converged or rounding_floor
     seconds           : median of the runs, like those of the curves
     residual_relative, energy : of the scene at the method's aligned shape
     X                 : (n, d) that shape, where the user has it

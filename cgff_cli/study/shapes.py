@@ -36,12 +36,14 @@ class Shape:
     """A distinct equilibrium.
 
     coordinates : (n, d)          modes : (m, n, d) softest motions, the node that moves most by 1
+    energy_floor : estimated error of the energy, by rounding and by what is left out of balance
     within      : how far a node may be from its place in the same shape
     count, first_start : starts that led here, and the number of the first
     """
 
     coordinates: np.ndarray
     energy: float
+    energy_floor: float
     stability: str | None
     smallest_stiffness: float | None
     slack_count: int
@@ -51,6 +53,11 @@ class Shape:
     within: float
     count: int
     first_start: int
+
+    @property
+    def energy_told(self) -> float:
+        """The energy, 0 where it is no more than rounding of 0."""
+        return self.energy if abs(self.energy) > self.energy_floor else 0.0
 
     def is_at(self, X: np.ndarray, within: float = 0.0) -> bool:
         """Return whether coordinates (n, d), in doubt by `within`, are this shape."""
@@ -143,6 +150,7 @@ def shape_at(structure: Structure, options: SolveOptions, number: int) -> Shape:
     return Shape(
         coordinates=X,
         energy=solution.energy,
+        energy_floor=solution.energy_floor + 0.5 * solution.residual_norm * blur,
         stability=told["stability"],
         smallest_stiffness=told["smallest_stiffness"],
         slack_count=int(state.slack.sum()),

@@ -6,6 +6,7 @@ from math import sqrt
 import numpy as np
 
 from cgff_cli.structure import Structure
+from cgff_cli.study.levels import levels
 from cgff_cli.study.shapes import Shape
 
 REACHES = (0.1, 0.3)
@@ -44,5 +45,6 @@ def along_modes(structure: Structure, shapes: Iterable[Shape]) -> Iterator[np.nd
 
 
 def by_energy(shapes: Sequence[Shape]) -> list[Shape]:
-    """Return shapes in the order of their energies, the one found first before another of the same."""
-    return sorted(shapes, key=lambda shape: (shape.energy, shape.first_start))
+    """Return shapes in the order of their energies, the one found first before others that share its own."""
+    pairs = zip(levels(shapes), shapes, strict=True)
+    return [own for _, own in sorted(pairs, key=lambda pair: (pair[0], pair[1].first_start))]

@@ -13,6 +13,8 @@ from cgff_cli.study.bench import ROW_FIELDS, TIME_LIMIT
 from tests.cli.conftest import Run
 
 HARD = Path(__file__).parents[1] / "hard"
+ENDS = ("hexagon", "mast")
+"""One of which fdm finds another equilibrium, and one so stiff that schek's rounding unbalances it."""
 QUICKLY = ("--lm", "--repeat", "1")
 
 SUITE = """\
@@ -178,10 +180,19 @@ def test_the_table_fits_a_terminal_and_ends_in_a_summary(run: Run):
     assert "one/bracket  3 nodes, 2 elements, 2-D, as expected" in lines
     assert all(len(line) <= 110 for line in lines[:-3])
     summary = " ".join(page[page.rindex("  method") :].split())
-    assert re.search(r" schek 3 1 0 2 - - - dr 3 3 0 0 ", summary)
+    assert re.search(r" schek 3 1 0 0 2 - - - dr 3 3 0 0 0 ", summary)
     assert "measured 3 cases, 9 rows" in summary
     assert "expected 1 of 1 cases end as their suite says" in summary
     assert re.search(r"it is one shape to 1e-8 in (\d) of \1 pairs$", summary)
+
+
+def test_the_summary_counts_another_equilibrium_by_itself_and_names_who_found_cgffs_shape(run: Run):
+    Path("suite.yaml").write_text("".join(f"- {{id: {n}, scene: {{structure: {n}}}}}\n" for n in ENDS))
+    page = run("bench", "suite.yaml", "--fdm", "--repeat", "1", "--format", "table").stdout
+    summary = " ".join(page[page.rindex("  method") :].split())
+    assert "method cases equilibrium another out of time failed " in summary
+    assert re.search(r" cgff 2 2 0 0 0 .* fdm 1 0 1 0 0 - - - schek 1 0 0 0 0 - - - ", summary)
+    assert "cgff's shape found to 1e-8, but out of balance by the difference: mast (schek)" in summary
 
 
 def test_a_table_beside_a_file_is_of_what_was_asked_for(run: Run, seen: list[str]):

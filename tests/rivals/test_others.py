@@ -7,6 +7,8 @@ import pytest
 
 import cgff_cli
 from cgff_cli.rivals.registry import REGISTRY
+from cgff_cli.rivals.task import End
+from cgff_cli.study.alignment import SAME_SHAPE, size
 from cgff_cli.study.compare import chosen
 from cgff_cli.study.record import Comparison, Method
 from tests.bodies import scene as body
@@ -90,6 +92,34 @@ def test_schek_gives_back_the_coordinates_of_cgff(compared):
     method = of(compared("cable-net"), "schek")
     assert (method.converged, method.stable, method.alignment) == (True, True, "none")
     assert method.max_node_difference <= 1e-12
+
+
+def test_schek_gives_back_a_stiff_mast_whose_forces_its_rounding_unbalances():
+    method = cgff_cli.compare(STRUCTURES / "mast.yaml", ["schek"], repeat=1).methods[1]
+    assert (method.verdict, method.converged, method.stable) == ("same_shape", False, None)
+    assert method.shape_error <= SAME_SHAPE
+    assert method.residual_relative > 1e-12
+    assert method.message.startswith("cgff's shape to ")
+
+
+@pytest.mark.parametrize(
+    ("apart", "verdict"),
+    [(0.0, "rounding_floor"), (SAME_SHAPE / 4, "same_shape"), (4 * SAME_SHAPE, "other_equilibrium")],
+)
+def test_a_form_is_cgffs_shape_as_far_as_one_shape_goes_and_then_another(
+    monkeypatch: pytest.MonkeyPatch, apart: float, verdict: str
+):
+    def shifted(task, trace):
+        trace.start()
+        X = task.best.shape.copy()
+        X[1, 2] += apart * size(X)
+        return End(X, "form_found", "by a shift of the top")
+
+    monkeypatch.setitem(REGISTRY, "schek", REGISTRY["schek"]._replace(run=shifted))
+    method = cgff_cli.compare(STRUCTURES / "mast.yaml", ["schek"], repeat=1, tolerance=1e-15).methods[1]
+    assert (method.verdict, method.converged) == (verdict, apart == 0.0)
+    assert method.shape_error == pytest.approx(apart, rel=1e-3)
+    assert ("do not hold" in method.message) is (verdict == "other_equilibrium")
 
 
 def test_schek_holds_each_axis_by_its_own_supports():

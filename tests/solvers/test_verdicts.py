@@ -1,11 +1,13 @@
 """Every way a run can end can be reached, is named truly, and says so in a sentence."""
 
 from dataclasses import replace
+from decimal import Decimal, localcontext
 
 import numpy as np
 import pytest
 
 import cgff_cli
+from cgff_cli.solvers.solution import Solution
 from cgff_cli.solvers.stopping import Verdict
 from tests.bodies import forces_by_loop
 from tests.shapes import distance_difference
@@ -45,6 +47,28 @@ def interrupt_at(iteration: int):
     return observer
 
 
+def exact_energy(solution: Solution) -> Decimal:
+    """Return the energy at a solution's coordinates, in 60 digits, element by element."""
+    structure, X = solution.mechanics.structure, solution.coordinates
+    columns = (
+        structure.start,
+        structure.end,
+        structure.stiffness,
+        structure.rest_lengths,
+        structure.tension_only,
+    )
+    with localcontext(prec=60):
+        X = [[Decimal(x) for x in point] for point in X.tolist()]
+        loads = [[Decimal(f) for f in force] for force in structure.loads.tolist()]
+        energy = -sum(
+            f * x for force, point in zip(loads, X, strict=True) for f, x in zip(force, point, strict=True)
+        )
+        for a, b, k, rest, pulls_only in zip(*(column.tolist() for column in columns), strict=True):
+            e = sum((x - y) ** 2 for x, y in zip(X[a], X[b], strict=True)).sqrt() - Decimal(rest)
+            energy += Decimal(0) if pulls_only and e < 0 else Decimal(k) * e * e / 2
+        return energy
+
+
 def test_every_verdict_is_tested_here():
     assert set(REACHED) == set(SENTENCES) == {str(verdict) for verdict in Verdict}
 
@@ -71,6 +95,17 @@ def test_the_residual_is_that_of_the_shape_handed_back(verdict):
 def test_stability_is_said_of_an_equilibrium_only(verdict):
     result = REACHED[verdict]()
     assert (result.analysis["stable"] is None) == (not result.converged)
+
+
+@pytest.mark.parametrize("offset", [0.0, 1e6])
+@pytest.mark.parametrize("name", ["prism", "cable-net", "bracket", "mast"])
+def test_the_energy_is_right_to_its_own_floor(name: str, offset: float):
+    scene = shipped(name)
+    moved = replace(scene, coordinates=scene.coordinates + offset)
+    solution = cgff_cli.solve(moved, tolerance=1e-15).solution
+    assert abs(Decimal(solution.energy) - exact_energy(solution)) <= solution.energy_floor
+    work = np.abs(solution.mechanics.structure.loads * solution.coordinates).sum()
+    assert 0.0 < solution.energy_floor <= 1e-14 * (solution.lengths @ np.abs(solution.forces) + work)
 
 
 @pytest.mark.parametrize("objective", ["energy", "residual"])

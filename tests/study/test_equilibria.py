@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,12 +10,15 @@ from scipy.optimize import brentq
 
 import cgff_cli
 from cgff_cli import equilibria
+from cgff_cli.report.equilibria_text import equilibria_page, verdict_of
 from cgff_cli.report.json_out import pretty
+from cgff_cli.report.terminal import rendered
 from cgff_cli.structure import from_scene
+from cgff_cli.study.levels import levels
 from cgff_cli.study.starts import REACHES, along_modes, random_start, size_of_start
 from tests.bodies import forces_by_loop
 from tests.shapes import STRUCTURES, distance_difference, node_difference
-from tests.study.landscapes import as_struts, dome, kresling, row_of_trusses, tetrahedron, truss
+from tests.study.landscapes import as_struts, dome, kresling, row_of_trusses, tetrahedron, truss, unstrained
 
 
 def shipped(name: str) -> "cgff_cli.Scene":
@@ -82,6 +86,51 @@ def test_a_kresling_module_has_both_its_unstrained_shapes():
         ]
         assert len(same) == 1
         assert same[0].energy < 1e-20
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.05, 0.1])
+def test_shapes_of_one_energy_are_told_together_in_the_order_that_starts_found_them(noise: float):
+    found = equilibria(cgff_cli.new("x-tower", stages=3, noise=noise, seed=1), starts=100)
+    firsts = {own["kind"]: own["first_start"] for own in reversed(found.equilibria)}
+    assert found.least == list(range(len(found.shapes)))  # stages up, or folded into each other
+    assert len(firsts) > 2
+    assert [firsts[kind] for kind in sorted(firsts)] == sorted(firsts.values())
+    words = f"{len(found.shapes)} shapes of {found.kinds} kinds share the least energy, "
+    assert words in verdict_of(found)
+
+
+def test_the_shape_of_least_energy_is_one_where_a_load_tells_up_from_down():
+    found = equilibria(truss(load=1.0), starts=50)
+    best = found.equilibria[0]
+    assert found.least == [0]
+    assert verdict_of(found).endswith(f"the one of least energy, {best['energy']:.6g}, from {best['count']}")
+
+
+@pytest.mark.parametrize("scene", [kresling(), truss(), truss(rise=1e-4), row_of_trusses(2)])
+def test_an_energy_of_nothing_but_rounding_is_told_as_0_and_written_as_it_is(scene: "cgff_cli.Scene"):
+    found = equilibria(scene, starts=60)
+    assert len(found.least) == len(found.shapes) > 1
+    assert {own.energy_told for own in (*found.landscape.shapes, *found.shapes)} == {0.0}
+    assert [own["energy"] for own in found.equilibria] == [own.energy for own in found.shapes]
+    assert "share the least energy, 0, from 60" in verdict_of(found)
+    page = rendered(equilibria_page(found), terminal=False)
+    assert {line.split()[1] for line in page.splitlines()[-len(found.shapes) :]} == {"0"}
+
+
+def test_a_small_energy_that_is_none_of_rounding_is_told():
+    nodes = {"left": [-1.0, 0.0], "middle": [0.0, 0.0], "right": [1.0, 0.0]}
+    cable = unstrained(
+        nodes, [["left", "middle"], ["middle", "right"]], supports={"left": "xy", "right": "xy"}
+    )
+    (group,) = cable.groups
+    short = replace(cable, groups=(replace(group, rest_length=group.rest_length - 1e-9),))
+    best = equilibria(short, starts=1).shapes[0]
+    assert best.energy_told == pytest.approx(2 * 0.5 * 100.0 * 1e-18, rel=1e-5)
+
+
+def test_what_rounding_parts_from_the_least_of_a_level_is_in_it_and_nothing_chains():
+    shapes = [SimpleNamespace(energy=energy, energy_floor=0.5) for energy in (3.7, 0.9, 0.0, 1.8, 2.7, 1e3)]
+    assert levels(shapes) == [2, 0, 0, 1, 1, 3]
 
 
 def test_the_octahedron_has_24_shapes_of_six_kinds():
