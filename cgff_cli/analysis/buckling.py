@@ -3,7 +3,8 @@
 The loads F move the structure by dx, K dx = F, and so change force densities by dq = k u . dx / l. A factor
 lambda on the loads makes K + (lambda - 1) K_G(dq) of K, K_G = I (x) D: lambda = 1 is the present state,
 lambda = 0 the unloaded one, and the least lambda > 0 at which this is singular the critical load factor. It
-bounds nothing where the shape changes much on the way: an arch that flattens snaps before.
+bounds nothing where the shape changes much on the way: an arch that flattens snaps before; nor where a cable
+goes slack on the way, see analysis.slackening.
 """
 
 from typing import TYPE_CHECKING, Any, cast
@@ -28,26 +29,36 @@ MOST_RESTARTS = 60
 
 _NO_LOADS = "there are no loads"
 _SINGULAR = "not told: some motion has no stiffness beyond rounding, so that loads may move it without end"
-_NEVER = "no multiple of the loads makes the stiffness singular, as far as it is linear in them"
+NEVER = "no multiple of the loads makes the stiffness singular, as far as it is linear in them"
 _NEITHER = "not told: neither with nor without the loads is every motion stiff"
 _NEEDED = "not told: without the loads some motion is not stiff, and the structure is large"
 _NOT_FOUND = "not told: no eigenvalue was found in a structure of this size"
 
 
-def critical_load_factor(state: State, signs: Signs, doubt: float) -> tuple[float | None, str]:
-    """Return the least positive load factor at which K is singular, or None and why; 1 is the present state.
+def moved_by_loads(state: State, signs: Signs, doubt: float) -> tuple[np.ndarray | None, str]:
+    """Return dx, (d, m), with K dx = F, or None and why there is none.
 
     signs: the spectrum of K at the state, in balance; doubt: the size of a stiffness that has no sign.
     """
-    m = state.mechanics
-    if m.F is None:
+    F = state.mechanics.F
+    if F is None:
         return None, _NO_LOADS
     if not signs.count:
         return None, ALL_IDLE
-    dx = signs.solved(m.F, doubt)
+    dx = signs.solved(F, doubt)
     if dx is None or not signs.is_sure or np.abs(signs.values).min() <= doubt:
         return None, _SINGULAR
-    dq = density_rate(state, m.connectivity.differences(dx))
+    return dx, ""
+
+
+def critical_load_factor(
+    state: State, signs: Signs, doubt: float, dx: np.ndarray
+) -> tuple[float | None, str]:
+    """Return the least positive load factor at which K is singular, or None and why; 1 is the present state.
+
+    dx: what the loads move, see above; cables that are taut stay so.
+    """
+    dq = density_rate(state, state.mechanics.connectivity.differences(dx))
     if isinstance(signs, Spectrum):
         return _of_small(signs, state, dq, doubt)
     return _of_large(cast("LargeSpectrum", signs), dq, doubt)
@@ -78,7 +89,7 @@ def _least(rates: np.ndarray, now: float) -> tuple[float | None, str]:
     with np.errstate(divide="ignore"):
         factors = now - 1.0 / rates
     factors = factors[(factors > SLIGHT) & (factors < 1.0 / SLIGHT)]
-    return (float(factors.min()), "") if len(factors) else (None, _NEVER)
+    return (float(factors.min()), "") if len(factors) else (None, NEVER)
 
 
 def _of_large(signs: "LargeSpectrum", dq: np.ndarray, doubt: float) -> tuple[float | None, str]:
@@ -93,7 +104,7 @@ def _of_large(signs: "LargeSpectrum", dq: np.ndarray, doubt: float) -> tuple[flo
     if factor is None:
         return None, _NEEDED
     if signs.blur < SLIGHT * signs.softest and signs.factor_of(change) is not None:
-        return None, _NEVER  # more load only stiffens: K_G is not negative anywhere
+        return None, NEVER  # more load only stiffens: K_G is not negative anywhere
     G = signs.pattern.matrix(change)
     if signs.softest > doubt:
         return _lowered(G, signs.matrix, lambda y: signs.refined(signs.cleared(y))[0], signs, 1.0)

@@ -5,13 +5,14 @@ from typing import Any
 
 import numpy as np
 
-from cgff_cli.analysis.buckling import critical_load_factor
-from cgff_cli.analysis.equilibrium import analysed, carries, stability_of
+from cgff_cli.analysis.buckling import NEVER, critical_load_factor, moved_by_loads
+from cgff_cli.analysis.equilibrium import analysed, carries, labels, stability_of
 from cgff_cli.analysis.mechanisms import mechanisms_of
 from cgff_cli.analysis.modes import by_nodes, modes_of, spectrum_of
 from cgff_cli.analysis.ranks import Ranks
-from cgff_cli.analysis.reasons import ALL_IDLE, NOT_BALANCED, OF_EQUILIBRIA
+from cgff_cli.analysis.reasons import ALL_IDLE, NOT_BALANCED, OF_EQUILIBRIA, OF_LOADS
 from cgff_cli.analysis.sensitivity import Sensitivity, unit_response
+from cgff_cli.analysis.slackening import first_slack, slack_words
 from cgff_cli.analysis.stability import LEAST, Signs, resists
 from cgff_cli.mechanics.state import State
 from cgff_cli.options import SolveOptions
@@ -28,7 +29,7 @@ _STRESS_UNSURE = "not told: along some mechanism rounding hides the sign of what
 _MANY = "not told: the structure is large and not stable, and its mechanisms are not known one by one"
 _NOT_FOUND = "not told: the softest motions of a structure of this size were not found"
 OF_FORCES = (
-    *("nullity_D", "condition_D", *OF_EQUILIBRIA, "critical_load_factor"),
+    *("nullity_D", "condition_D", *OF_EQUILIBRIA, *OF_LOADS),
     *("prestressed", "slack_count", "slack_cables", "struts_in_tension_count", "struts_in_tension"),
 )
 
@@ -114,14 +115,28 @@ class Given:
         """Return what K tells, and its softest motions, None where they were not found."""
         state, _, signs = self.tangent
         values, shapes, is_found = modes_of(signs, state, max(self.count, LEAST))
-        factor = critical_load_factor(state, signs, self.doubt) if self.balanced else (None, NOT_BALANCED)
         told: Told = {
             "smallest_stiffness": (float(values[0]) if len(values) else None, ALL_IDLE),
             "tangent_eigenvalues": (values[:LEAST].tolist() if is_found else None, _NOT_FOUND),
             "negative_eigenvalues": (signs.counted(self.doubt), _COUNT_UNSURE),
-            "critical_load_factor": factor,
         }
+        told |= self._under_loads()
         return told, self._named("softest", values, shapes) if is_found else None
+
+    def _under_loads(self) -> Told:
+        """Return what more of the loads would do."""
+        if not self.balanced:
+            return dict.fromkeys(OF_LOADS, (None, NOT_BALANCED))
+        state, taut, signs = self.tangent
+        dx, why = moved_by_loads(state, signs, self.doubt)
+        if dx is None:
+            return dict.fromkeys(OF_LOADS, (None, why))
+        slack, rows, none = first_slack(state, taut, signs, self.doubt, dx)
+        cables = labels(self.scene, rows) or None
+        factor, why = critical_load_factor(state, signs, self.doubt, dx)
+        if why == NEVER and cables and slack:
+            why += f" and no cable goes slack; {slack_words(cables, slack)}"
+        return dict(zip(OF_LOADS, ((factor, why), (slack, none), (cables, none)), strict=True))
 
     def _mechanisms(self) -> tuple[np.ndarray | None, list[Mode]]:
         """Return what stress resists along mechanisms, (m,), None in large ones; and the softest of these."""

@@ -25,7 +25,8 @@ OF_EQUILIBRIA = (
     "super_stable",
     "prestress_stable",
 )
-ASKED_FOR = ("critical_load_factor", "modes")
+OF_LOADS = ("critical_load_factor", "first_slack_factor", "first_slack_cables")
+ASKED_FOR = (*OF_LOADS, "modes")
 TOLD = (*OF_SHAPES, *OF_EQUILIBRIA, *ASKED_FOR)
 
 OFF = "not computed: analysis is off (analysis: never)"

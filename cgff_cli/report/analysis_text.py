@@ -8,6 +8,7 @@ from rich.console import RenderableType
 from rich.text import Text
 
 from cgff_cli.analysis.sensitivity import Sensitivity
+from cgff_cli.analysis.slackening import slack_words
 from cgff_cli.as_given import Analysis
 from cgff_cli.hints import count
 from cgff_cli.report.table import analysis_words, changes_table, group_table, structure_words
@@ -57,7 +58,7 @@ def _facts(found: Analysis) -> Iterator[tuple[str, str]]:
     for name, why in analysis["reason"].items():
         names.setdefault(why.removeprefix("not told: "), []).append(name)
     yield from (("warning", clean(warning)) for warning in found.warnings)
-    yield from (("not told", f"{', '.join(own)}: {why}") for why, own in names.items())
+    yield from (("not told", f"{', '.join(own)}: {clean(why)}") for why, own in names.items())
 
 
 def _stability(analysis: dict[str, Any]) -> str:
@@ -77,8 +78,15 @@ def _stability(analysis: dict[str, Any]) -> str:
 
 
 def _load(analysis: dict[str, Any]) -> str:
-    factor = analysis["critical_load_factor"]
-    return "" if factor is None else f"its stiffness is lost at {number(factor)} times the loads"
+    """Return at which multiples of the loads stiffness is lost, and before that a cable goes slack."""
+    factor, slack = analysis["critical_load_factor"], analysis["first_slack_factor"]
+    lost = "" if factor is None else f"its stiffness is lost at {number(factor)} times the loads"
+    if slack is None or (factor is not None and 1.0 < factor < slack):
+        return lost
+    goes = clean(slack_words(analysis["first_slack_cables"], slack))
+    if factor is not None and slack <= factor:
+        return f"{lost} as if no cable went slack, but {goes}"
+    return "; ".join(filter(None, (lost, goes)))
 
 
 def _modes(modes: list[dict[str, Any]]) -> Aligned:

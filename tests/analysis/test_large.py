@@ -8,6 +8,7 @@ import pytest
 import cgff_cli
 from cgff_cli.analysis.large import stability_of_large
 from cgff_cli.analysis.ranks import Ranks
+from cgff_cli.analysis.reasons import ASKED_FOR
 from cgff_cli.analysis.stability import stability
 from cgff_cli.mechanics import connectivity
 from cgff_cli.mechanics.state import Mechanics
@@ -15,7 +16,7 @@ from cgff_cli.options import SolveOptions
 from cgff_cli.solvers.cgff import form_find
 from cgff_cli.structure import from_scene
 
-ASKED = {"modes", "critical_load_factor"}
+ASKED = set(ASKED_FOR)
 
 SCENES = [
     ("tower", {"stages": 20, "noise": 0.03}),

@@ -133,7 +133,7 @@ def test_the_page_begins_with_the_verdict_in_words(run: Run, solved: str):
         "rank",
         "stiffness",
     ]
-    assert "  critical_load_factor: there are no loads" in page
+    assert "  critical_load_factor, first_slack_factor, first_slack_cables: there are no loads" in page
     assert "mechanism" in page
     assert "per unit of struts" in page
 
@@ -155,6 +155,31 @@ def test_the_page_tells_at_which_loads_stiffness_is_lost(run: Run):
     assert ended.exit_code == 0
     # 2 k l / load of a column of length 2 that two springs hold at its head.
     assert "its stiffness is lost at 4 times the loads" in ended.stdout
+
+
+@pytest.mark.parametrize(
+    ("spring", "tension", "words"),
+    [
+        (
+            3,
+            0.003,
+            "at 4 times the loads as if no cable went slack, but tail: foot-head goes slack at 2.001 times",
+        ),
+        (3, 0.018, "lost at 4 times the loads\n"),
+        (
+            0.5,
+            0.003,
+            "lost at 0.666667 times the loads; tail: foot-head goes slack at 2.001 times the loads\n",
+        ),
+    ],
+    ids=["before that", "after that", "and needs its loads"],
+)
+def test_the_page_tells_whether_a_cable_goes_slack_first(run: Run, spring, tension, words):
+    # The cable shortens with the column, which takes 1000 of 1001 of the load: 0.003 is lost of it.
+    tail = f"  tail: {{kind: cable, EA: 1, rest_length: {2 - tension}, pairs: [[foot, head]]}}\n"
+    text = COLUMN.replace("2.003,", f"{2.003 + tension / 1000},").replace("EA: 3", f"EA: {spring}")
+    ended = run("analyse", "-", "--format", "table", stdin=text.replace("supports", f"{tail}supports"))
+    assert words in ended.stdout
 
 
 def test_it_goes_to_a_file_but_never_over_its_scene(run: Run, solved: str):

@@ -34,8 +34,14 @@ def same(found, known, stiffness=1.0):
     size = max(known["tangent_eigenvalues"])
     values = np.array(found["tangent_eigenvalues"]) / stiffness
     assert values == pytest.approx(known["tangent_eigenvalues"], rel=1e-6, abs=1e-9 * size)
-    factors = [own["critical_load_factor"] for own in (found, known)]
-    assert factors[0] == (None if factors[1] is None else pytest.approx(factors[1], rel=1e-6))
+    for name in ("critical_load_factor", "first_slack_factor"):
+        factors = [own[name] for own in (found, known)]
+        assert factors[0] == (None if factors[1] is None else pytest.approx(factors[1], rel=1e-6))
+    first, other = (
+        [frozenset(cable.split(": ")[1].split("-")) for cable in own["first_slack_cables"] or ()]
+        for own in (found, known)
+    )
+    assert set(first) == set(other)
     assert set(found["reason"]) == set(known["reason"])
     kinds = [[(mode["kind"], mode["stiffness"]) for mode in own["modes"]] for own in (found, known)]
     for (kind, ours), (other, theirs) in zip(*kinds, strict=True):

@@ -6,9 +6,9 @@
     python tests/studies/analyse.py large [--factor superlu]
 
 known: states, mechanisms and stability of structures by theory. random: random structures solved, their
-eigenvalues, prestress-stability, load factors and sensitivities by matrices made element by element, a
-general eigensolver and differences of solves. buckling: columns of many links, and arches beside their limit
-load. large: factors of sparse matrices, and seconds beside one factor of K.
+eigenvalues, prestress-stability, load factors, factors of first slack and sensitivities by matrices made
+element by element, a general eigensolver and differences of solves. buckling: columns of many links, and
+arches beside their limit load. large: factors of sparse matrices, and seconds beside one factor of K.
 """
 
 import argparse
@@ -88,20 +88,35 @@ class Matrices:
 
     def load_factor(self):
         """Return the least positive root of the pencil by a general eigensolver, None without."""
-        dx = np.linalg.solve(self.K, self.F)
-        full = np.zeros(self.X.size)
-        full[self.free] = dx
-        z = full.reshape(self.X.shape)
-        dq = [
-            (self.s.stiffness[e] if self.taut[e] else 0.0) * (self.u[e] @ (z[i] - z[j])) / self.l[e]
-            for e, (i, j) in enumerate(zip(self.s.start, self.s.end, strict=True))
-        ]
-        G = self.stress(dq)
+        G = self.stress(self.force_changes() / self.l)
         roots = scipy.linalg.eigvals(self.K - G, -G)
         roots = roots[np.isfinite(roots)]
         real = roots.real[np.abs(roots.imag) <= 1e-7 * np.abs(roots)]
         real = real[(real > 1e-9) & (real < 1e9)]
         return float(real.min()) if len(real) else None
+
+    def force_changes(self):
+        """Return what the loads change forces by, K at hand."""
+        full = np.zeros(self.X.size)
+        full[self.free] = np.linalg.solve(self.K, self.F)
+        z = full.reshape(self.X.shape)
+        return np.array(
+            [
+                (self.s.stiffness[e] if self.taut[e] else 0.0) * (self.u[e] @ (z[i] - z[j]))
+                for e, (i, j) in enumerate(zip(self.s.start, self.s.end, strict=True))
+            ]
+        )
+
+    def slack_factor(self):
+        """Return the least factor above 1 at which a cable has lost its force, None without."""
+        changes = self.force_changes()
+        rounding = 1e-9 * np.abs(changes).max()
+        factors = [
+            1.0 - t / change
+            for t, change, is_cable in zip(self.t, changes, self.s.tension_only, strict=True)
+            if is_cable and t > 0.0 and change < -rounding
+        ]
+        return min((factor for factor in factors if factor < 1e9), default=None)
 
 
 def known():
@@ -148,7 +163,7 @@ def off(ours, theirs):
 
 def random(count, seed):
     rng = np.random.default_rng(seed)
-    worst = {"eigenvalues": [], "load factors": [], "motions": [], "forces": []}
+    worst = {"eigenvalues": [], "load factors": [], "slack factors": [], "motions": [], "forces": []}
     tally = dict.fromkeys(("balanced", "unstable", "factors", "without", "untold", "prestress", "wrong"), 0)
     for number in range(count):
         body = random_scene(rng)
@@ -167,6 +182,7 @@ def random(count, seed):
             fine &= told["stability"] == ("stable" if values[0] > 0.0 else "unstable")
             tally["unstable"] += bool(values[0] < 0.0)
             fine &= _factor_is_right(told, m, tally, worst)
+            fine &= _slack_is_right(told, m, worst)
             fine &= _prestress_is_right(told, m, tally)
             tally["wrong"] += not fine
             if not fine:
@@ -194,6 +210,14 @@ def _factor_is_right(told, m, tally, worst):
     tally["factors"] += 1
     worst["load factors"].append(off([ours], np.array([theirs or 1e300])))
     return theirs is not None and worst["load factors"][-1] < 1e-5
+
+
+def _slack_is_right(told, m, worst):
+    ours, theirs = told["first_slack_factor"], m.slack_factor()
+    if ours is None or theirs is None:
+        return ours is theirs
+    worst["slack factors"].append(off([ours], np.array([theirs])))
+    return worst["slack factors"][-1] < 1e-5
 
 
 def _prestress_is_right(told, m, tally):
