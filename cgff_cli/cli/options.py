@@ -1,10 +1,10 @@
 """The flags that several commands take: scenes, solve options, where output goes; and how values are read."""
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
 import click
 
@@ -15,6 +15,8 @@ from cgff_cli.report.files import STDOUT
 from cgff_cli.values import Rule
 
 FORMATS = ("table", "json", "csv")
+
+Value = TypeVar("Value")
 
 
 class Checked(click.ParamType):
@@ -56,6 +58,16 @@ def once_only(*inputs: str | None) -> None:
     """Raise UsageError where standard input is to be read more than once."""
     if inputs.count(STDOUT) > 1:
         raise click.UsageError("standard input (-) can be read only once")
+
+
+def by_key(words: str, given: Iterable[tuple[str, Value]]) -> dict[str, Value]:
+    """Return key -> value of a flag that may be repeated; raises UsageError for a key given twice."""
+    found: dict[str, Value] = {}
+    for key, value in given:
+        if key in found:
+            raise click.UsageError(f"{words} {key}".rstrip() + " is given twice")
+        found[key] = value
+    return found
 
 
 def _lines(path: str) -> list[str]:

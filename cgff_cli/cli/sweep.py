@@ -5,8 +5,8 @@ from typing import Any
 import click
 
 from cgff_cli.cli.common import SectionCommand, examples, flag, note_of, title, warn_of, word_options
-from cgff_cli.cli.options import format_flag, given_solve_options, output_flag, solve_options
-from cgff_cli.cli.sweeping import KeyValues, Shard, by_key, checked_form, swept
+from cgff_cli.cli.options import by_key, format_flag, given_solve_options, output_flag, solve_options
+from cgff_cli.cli.sweeping import KeyValues, Shard, checked_form, swept
 
 _EPILOG = examples(
     "cgff sweep prism.yaml --set struts.EA=log:10:1e4:50 --out height --out force:struts -o rows.csv",

@@ -74,6 +74,8 @@ def test_suffixes_choose_the_formats_and_flags_overrule_only_silence(here, tmp_p
             ("net.obj", "--law", "paper", "--EA", "1", "--kind", "rope"),
             "--kind must be cable or strut, got 'rope'",
         ),
+        (("net.obj", "--kind", "cable", "--kind", "strut"), "--kind is given twice"),
+        (("net.obj", "--kind", "ties=cable", "--kind", "ties=strut"), "--kind ties is given twice"),
         (("net.obj", "--EA", "0"), "EA must be a number > 0, got 0.0"),
         (
             ("prism.yaml", "-o", "prism.yaml"),

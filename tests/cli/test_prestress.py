@@ -92,6 +92,7 @@ def test_flags_are_those_of_the_function(shape):
         (["--tolerance", "2"], "tolerance must be a number between 0 and 1, got 2.0"),
         (["--by-group", "--by-symmetry"], "members share values by group or by symmetry, not by both"),
         (["--force", "struts=-2", "--force", "top=3"], "one force alone sets the level of a self-stress"),
+        (["--force", "struts=-2", "--force", "struts=-3"], "--force struts is given twice"),
         (["-o", "-", "--format", "json"], "-o - writes the scene to standard output, and so --format json"),
         (["--equal", "force"], "an equal force needs members that share it"),
         (["-o", "scene.json"], "-o scene.json: the name of a scene must end in .yaml or .yml"),

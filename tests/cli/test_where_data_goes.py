@@ -232,7 +232,7 @@ SUMMARY = (
 
 
 def test_a_summary_is_a_row_per_scene_a_bad_one_too(run: Run, bad: str):
-    ended = run("solve", "prism.yaml", bad, "bracket.yaml", "--summary", "s.csv", "--summary", "s.csv")
+    ended = run("solve", "prism.yaml", bad, "bracket.yaml", "--summary", "s.csv")
     assert ended.exit_code == 3
     assert Path("s.csv").read_text().splitlines()[0] == SUMMARY
     prism, broken, bracket = csv.DictReader(Path("s.csv").read_text().splitlines())
