@@ -19,7 +19,7 @@ from cgff_cli.cli.common import (
     word_options,
 )
 from cgff_cli.cli.options import format_flag, given_solve_options, output_flag, solve_option
-from cgff_cli.cli.targets import check_targets, files_of, form_of_data, refuse_inputs
+from cgff_cli.cli.targets import check_targets, data_outputs, files_of, refuse_inputs
 from cgff_cli.report.files import STDOUT, write_output
 
 if TYPE_CHECKING:
@@ -65,14 +65,15 @@ def command(ctx: click.Context, scene: str, **values: Any) -> None:
     from cgff_cli import as_given
     from cgff_cli.scene.read import load
 
-    form = form_of_data(values["output_format"], values["output"], {".json": "everything"})
+    outputs = data_outputs(values["output_format"], values["output"], {".json": "everything"})
     targets = check_targets([(values["output"], "the analysis")], files_of([scene]))
     given = load(scene, results=True)
     refuse_inputs(targets, ((path, f"a file of {title(scene)}") for path in given.files))
     own = {name: values[name] for name in ("modes", "sensitivity") if values[name] is not None}
     found = as_given.analyse(given, **own, **given_solve_options(values))
-    write_output(values["output"] or STDOUT, _text(found, form))
-    if not (form == "table" and sys.stdout.isatty()):
+    for place, form in outputs:
+        write_output(place, _text(found, form))
+    if not ((STDOUT, "table") in outputs and sys.stdout.isatty()):
         warn_of(scene, found.warnings)
     if found.balanced is False:
         say(f"cgff: {title(scene)}: {found.message}")

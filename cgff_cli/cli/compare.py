@@ -26,8 +26,8 @@ from cgff_cli.cli.options import once_only, output_flag
 from cgff_cli.cli.targets import (
     Named,
     check_targets,
+    data_outputs,
     files_of,
-    form_of_data,
     refuse_inputs,
 )
 from cgff_cli.report.files import STDOUT, write_output
@@ -72,9 +72,10 @@ def command(ctx: click.Context, scenes: tuple[str, ...], **values: Any) -> None:
     from cgff_cli.study.machine import done
     from cgff_cli.study.scenes import SceneJob
 
-    form, path = form_of_data(values["output_format"], values["output"]), values["output"]
+    outputs = data_outputs(values["output_format"], values["output"])
+    at_once = [(place, form) for place, form in outputs if place != STDOUT or form == "csv"]
     given = scenes or [shipped(name) for name in PAPER]
-    targets = _prepare(given, path, values["plot"])
+    targets = _prepare(given, values["output"], values["plot"])
     options = comparing_options(values) | {"methods": wanted_methods(values, "fdm")}
     found: list[Comparison] = []
     code = ExitCode.OK
@@ -82,17 +83,18 @@ def command(ctx: click.Context, scenes: tuple[str, ...], **values: Any) -> None:
         code = worst(code, _told(ended))
         if ended.found is not None:
             found.append(ended.found)
-            if path in (None, STDOUT) and form != "csv":
-                write_output(STDOUT, _text([ended.found], form, many=len(given) != 1))
+            for place, form in outputs:
+                if (place, form) not in at_once:
+                    write_output(place, _text([ended.found], form, many=len(given) != 1))
     if code is not ExitCode.INTERRUPTED or found:
-        _finish(found, form, path, values["plot"])
+        _finish(found, at_once, values["plot"])
     ctx.exit(code)
 
 
-def _finish(found: "list[Comparison]", form: str, path: str | None, plot: str | None) -> None:
+def _finish(found: "list[Comparison]", outputs: list[tuple[str, str]], plot: str | None) -> None:
     """Write what takes all scenes at once."""
-    if form == "csv" or path not in (None, STDOUT):
-        write_output(path or STDOUT, _text(found, form, many=False))
+    for place, form in outputs:
+        write_output(place, _text(found, form, many=False))
     if plot is not None and found:
         from cgff_cli.report.plots import draw
 

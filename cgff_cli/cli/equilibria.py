@@ -8,8 +8,8 @@ import click
 from cgff_cli.cli import common
 from cgff_cli.cli.common import ExitCode, flag, title
 from cgff_cli.cli.options import FORMATS, format_flag, output_flag
-from cgff_cli.cli.targets import check_targets, files_of, form_of_data, refuse_inputs
-from cgff_cli.report.files import STDOUT, write_output
+from cgff_cli.cli.targets import check_targets, data_outputs, files_of, refuse_inputs
+from cgff_cli.report.files import write_output
 
 if TYPE_CHECKING:
     from cgff_cli.study.landscape import Equilibria
@@ -48,14 +48,15 @@ def command(ctx: click.Context, scene: str, output: str, output_format: str, **v
     from cgff_cli.scene.read import load
     from cgff_cli.study.search import equilibria
 
-    form = form_of_data(output_format, output)
+    outputs = data_outputs(output_format, output)
     targets = check_targets([(output, "the equilibria")], files_of([scene]))
     read = load(scene)
     refuse_inputs(targets, ((file, f"a file of {title(scene)}") for file in read.files))
     common.warn_of(scene, read.warnings)
     with common.progress(title(scene), delay=0.0) as line:
         found = equilibria(read, watcher=None if line is None else line.count, **values)
-    write_output(output or STDOUT, _text(found, form))
+    for place, form in outputs:
+        write_output(place, _text(found, form))
     ctx.exit(_told(title(scene), found))
 
 
