@@ -52,7 +52,9 @@ _EPILOG = examples(
     "that joins nodes A and B; may be repeated.",
 )
 @click.argument("scene", metavar="SCENE|RESULT", type=click.Path(allow_dash=True))
-@solve_option("tolerance")
+@solve_option(
+    "tolerance", help="largest out-of-balance force, over the largest force, that still counts as balance"
+)
 @solve_option("factor")
 @word_options
 @click.pass_context

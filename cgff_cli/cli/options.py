@@ -117,11 +117,13 @@ def rule_flag(
     )
 
 
-def solve_option(name: str, default: object = None) -> Decorator[Any]:
-    """Return what adds the flag of one solve option; `default` is the command's own, where it has one."""
+def solve_option(name: str, default: object = None, help: str = "") -> Decorator[Any]:
+    """Return what adds the flag of one solve option; `default` and `help` may be the command's own."""
     option = OPTIONS[name]
     shown = option.default if default is None else default
-    return rule_flag(name, option.metadata["rule"], partial(checked, name), "Solver", shown)
+    rule = option.metadata["rule"]
+    rule = rule._replace(help=help) if help else rule
+    return rule_flag(name, rule, partial(checked, name), "Solver", shown)
 
 
 def _as_sentence(text: str) -> str:

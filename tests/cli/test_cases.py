@@ -214,9 +214,12 @@ def test_a_result_is_no_scene_and_says_what_to_do(run: Run, roof: str):
     ended = run("solve", "a.json")
     assert ended.exit_code == 3
     assert ended.stderr.startswith(
-        "a.json:1:1: this is the result of a solve, not a scene: `cgff analyse` judges"
+        "a.json:1:1: this is the result of a solve, not a scene; make it one: "
+        "cgff convert a.json -o scene.yaml; as it is, `cgff analyse` judges it"
     )
     assert ended.stderr.count("\n") == 1
+    assert run("convert", "a.json", "-o", "scene.yaml").exit_code == 0
+    assert run("prestress", "scene.yaml").exit_code == 0
 
 
 def test_tables_that_solve_writes_are_tables_of_a_scene(run: Run, roof: str):
