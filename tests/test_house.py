@@ -12,16 +12,16 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 1820,
+    "top": 1836,
     "analysis": 2262,
-    "cli": 2934,
-    "formats": 1445,
+    "cli": 3025,
+    "formats": 1475,
     "mechanics": 966,
-    "report": 2536,
-    "rivals": 1117,
-    "scene": 4587,
-    "solvers": 2452,
-    "study": 3005,
+    "report": 2557,
+    "rivals": 1126,
+    "scene": 4660,
+    "solvers": 2454,
+    "study": 3017,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""
 

@@ -22,7 +22,7 @@ from cgff_cli.cli.common import (
     worst,
 )
 from cgff_cli.cli.comparing import comparing_flags, comparing_options, wanted_methods
-from cgff_cli.cli.options import once_only, output_flag
+from cgff_cli.cli.options import case_flag, once_only, output_flag
 from cgff_cli.cli.targets import (
     Named,
     check_targets,
@@ -58,6 +58,7 @@ _PLOT = output_flag(
     60.0,
     "Write to FILE: .json everything, .csv a row per scene and method; - is standard output.",
     _PLOT,
+    case_flag("Comparing", "In a load case or combination, begun at the scene's own start."),
 )
 @word_options
 @click.pass_context
@@ -79,7 +80,7 @@ def command(ctx: click.Context, scenes: tuple[str, ...], **values: Any) -> None:
     options = comparing_options(values) | {"methods": wanted_methods(values, "fdm")}
     found: list[Comparison] = []
     code = ExitCode.OK
-    for ended in done(map(SceneJob, given), partial(_compared, options, targets)):
+    for ended in done(map(SceneJob, given), partial(_compared, options, values["case"], targets)):
         code = worst(code, _told(ended))
         if ended.found is not None:
             found.append(ended.found)
@@ -101,13 +102,17 @@ def _finish(found: "list[Comparison]", outputs: list[tuple[str, str]], plot: str
         draw(found, plot)
 
 
-def _compared(options: dict[str, Any], targets: Sequence[Named], job: "SceneJob") -> "Comparison":
+def _compared(
+    options: dict[str, Any], case: str | None, targets: Sequence[Named], job: "SceneJob"
+) -> "Comparison":
     """Return the comparison of one scene, showing on a terminal which method is at work."""
+    from cgff_cli.cases import scene_in_case
     from cgff_cli.scene.read import load
     from cgff_cli.study.compare import compare
 
     scene = load(job.path)
     refuse_inputs(targets, ((file, f"a file of {title(job.path)}") for file in scene.files))
+    scene = scene_in_case(scene, case)
     with progress(title(job.path), delay=0.0) as line:
         show = None if line is None else lambda *run: line.show(f"{run[0]}, run {run[1]}")
         return compare(scene, observer=show, **options)

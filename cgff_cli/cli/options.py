@@ -12,7 +12,7 @@ from cgff_cli.cli.common import Decorator, flag, flags
 from cgff_cli.errors import OptionError
 from cgff_cli.options import OPTIONS, checked
 from cgff_cli.report.files import STDOUT
-from cgff_cli.values import Rule
+from cgff_cli.values import ALL_CASES, Rule
 
 FORMATS = ("table", "json", "csv")
 
@@ -139,6 +139,17 @@ solve_options = flags(*map(solve_option, OPTIONS))
 def given_solve_options(values: Mapping[str, Any]) -> dict[str, Any]:
     """Return the solve options that were set on the command line."""
     return {name: values[name] for name in OPTIONS if values.get(name) is not None}
+
+
+def case_flag(section: str, help: str) -> Decorator[Any]:
+    """Return what adds --case of a command that takes one case, not all."""
+    return flag("--case", section=section, type=Checked("NAME", _one_case), metavar="NAME", help=help)
+
+
+def _one_case(name: str) -> str:
+    if name == ALL_CASES:
+        raise OptionError("all is for cgff solve and cgff view; name one load case or combination")
+    return name
 
 
 def output_flag(

@@ -110,16 +110,17 @@ def _read(text: str, path: str, base: str, results: bool) -> Scene:
             raise SceneError([Problem(path, 1, 1, stranger)])
     while True:
         findings, value, moved = Findings(document.faults), document.value, _unmoved
+        case: dict[str, Any] = {}
         if is_result(value):
             if not results:
                 said = NO_SCENE.format("-" if path.startswith("<") else path)
                 raise SceneError([Problem(path, *document.place((), False), said)])
             found = ResultValues(value)
-            value, moved = found.value, found.where
+            value, moved, case = found.value, found.where, found.case
         scene = read_scene(findings, value, path, base) if document.whole else None
         if scene is not None and findings.none:
             place = document.place(("elements",), True)
-            return replace(scene, elements_at=place, is_answer=is_result(document.value))
+            return replace(scene, elements_at=place, is_answer=is_result(document.value), **case)
         if not document.sharpened(map(moved, findings.wheres)):
             raise SceneError(findings.problems(path, _placing(document.place, moved)))
 

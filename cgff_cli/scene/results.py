@@ -19,6 +19,7 @@ class ResultValues:
     """A result's values in the form of a scene's, and where each of those stands in the result.
 
     value : what `read_scene` takes; supports and loads as solved, and of the options the tolerance
+    case  : the load case that it was solved in, and where that began, by the names of a scene's fields
     """
 
     def __init__(self, value: dict[str, Any]):
@@ -38,6 +39,8 @@ class ResultValues:
             "loads": value.get("loads"),
             "solver": {name: options[name] for name in ("tolerance",) if name in options},
         }
+        told_of = {name: scene.get(name) for name in ("case", "begins")}
+        self.case = {name: own if _is_line(own) else "" for name, own in told_of.items()}
         self.value = {name: own for name, own in told.items() if own is not None}
 
     def where(self, where: Where) -> Where:
@@ -66,3 +69,7 @@ def _group(records: list[dict[str, Any]]) -> dict[str, Any]:
 def _mapping(value: dict[str, Any], key: str) -> dict[str, Any]:
     own = value.get(key)
     return own if isinstance(own, dict) else {}
+
+
+def _is_line(value: object) -> bool:
+    return isinstance(value, str) and value.isprintable()
