@@ -25,6 +25,21 @@ def asked_cases(scene: Scene, case: str) -> tuple[str, ...]:
     return scene.cases
 
 
+def scene_in_case(scene: Scene, name: str | None) -> Scene:
+    """Return a scene in a load case or combination, at its own start; as it is where none is named.
+
+    What was read from a result is in the case that it was solved in. Raises OptionError for another.
+    """
+    if name is None:
+        return scene
+    if not scene.answer:
+        return replace(scene.in_case(name), begins=BEGINS[1])
+    if name != (scene.case or DEAD):
+        own = f"in case {scene.case!r}" if scene.case else "without a load case"
+        raise OptionError(f"{scene.path}: this is the result of a solve {own}, not in {name!r}")
+    return scene
+
+
 def solve_cases(
     scene: Scene | str, names: Iterable[str], *, observer: Observer | None = None, **changes: object
 ) -> Iterator[Result]:

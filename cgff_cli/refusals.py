@@ -92,10 +92,11 @@ def _signs(scene: Scene, answer: Answer, asked: Mapping[str, Any]) -> str:
     is_loaded = bool(answer.structure.loads[answer.structure.free].any())
     does = "bears the loads with the right signs" if is_loaded else "has the right signs"
     what = f"no self-stress{shared} {does} in all {len(answer.never)} elements"
-    return f"{what}: {'; '.join(told)}; {_in_groups(scene, never)}"
+    return f"{what}: {'; '.join(told)}; by group: {in_groups(scene, never)}"
 
 
-def _in_groups(scene: Scene, rows: np.ndarray) -> str:
+def in_groups(scene: Scene, rows: np.ndarray) -> str:
+    """Return how many of the elements of each group are among some, in words."""
     owners = scene.owners
     counts = np.bincount(owners[rows], minlength=len(scene.groups))
     parts = [
@@ -103,7 +104,7 @@ def _in_groups(scene: Scene, rows: np.ndarray) -> str:
         for i, group in enumerate(scene.groups)
         if counts[i]
     ]
-    return f"by group: {', '.join(parts)}"
+    return ", ".join(parts)
 
 
 def _loads(scene: Scene, answer: Answer, asked: Mapping[str, Any]) -> str:

@@ -12,16 +12,16 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 1872,
+    "top": 1888,
     "analysis": 2363,
-    "cli": 2934,
-    "formats": 1445,
+    "cli": 3025,
+    "formats": 1475,
     "mechanics": 966,
-    "report": 2583,
+    "report": 2604,
     "rivals": 1126,
-    "scene": 4603,
+    "scene": 4676,
     "solvers": 2471,
-    "study": 3062,
+    "study": 3074,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""
 

@@ -18,8 +18,8 @@ from cgff_cli.cli.common import (
     warn_of,
     word_options,
 )
-from cgff_cli.cli.options import format_flag, given_solve_options, output_flag, solve_option
-from cgff_cli.cli.targets import check_targets, files_of, form_of_data, refuse_inputs
+from cgff_cli.cli.options import case_flag, format_flag, given_solve_options, output_flag, solve_option
+from cgff_cli.cli.targets import check_targets, data_outputs, files_of, refuse_inputs
 from cgff_cli.report.files import STDOUT, write_output
 
 if TYPE_CHECKING:
@@ -51,8 +51,11 @@ _EPILOG = examples(
     help="Tell how nodes move and forces change per unit of rest length in all of a group, or in the element "
     "that joins nodes A and B; may be repeated.",
 )
+@case_flag("Analysis", "Of a scene, in a load case or combination; of a result, that it was solved in.")
 @click.argument("scene", metavar="SCENE|RESULT", type=click.Path(allow_dash=True))
-@solve_option("tolerance")
+@solve_option(
+    "tolerance", help="largest out-of-balance force, over the largest force, that still counts as balance"
+)
 @solve_option("factor")
 @word_options
 @click.pass_context
@@ -63,16 +66,19 @@ def command(ctx: click.Context, scene: str, **values: Any) -> None:
     Where the forces do not balance the exit code is 4, and what can be told is told all the same.
     """
     from cgff_cli import as_given
+    from cgff_cli.cases import scene_in_case
     from cgff_cli.scene.read import load
 
-    form = form_of_data(values["output_format"], values["output"], {".json": "everything"})
+    outputs = data_outputs(values["output_format"], values["output"], {".json": "everything"})
     targets = check_targets([(values["output"], "the analysis")], files_of([scene]))
     given = load(scene, results=True)
     refuse_inputs(targets, ((path, f"a file of {title(scene)}") for path in given.files))
     own = {name: values[name] for name in ("modes", "sensitivity") if values[name] is not None}
+    given = scene_in_case(given, values["case"])
     found = as_given.analyse(given, **own, **given_solve_options(values))
-    write_output(values["output"] or STDOUT, _text(found, form))
-    if not (form == "table" and sys.stdout.isatty()):
+    for place, form in outputs:
+        write_output(place, _text(found, form))
+    if not ((STDOUT, "table") in outputs and sys.stdout.isatty()):
         warn_of(scene, found.warnings)
     if found.balanced is False:
         say(f"cgff: {title(scene)}: {found.message}")

@@ -18,7 +18,7 @@ from cgff_cli.cli.common import (
     worst,
 )
 from cgff_cli.cli.comparing import comparing_flags, comparing_options, wanted_methods
-from cgff_cli.cli.targets import Named, check_targets, form_of_data
+from cgff_cli.cli.targets import Named, check_targets, data_outputs
 from cgff_cli.report.files import STDOUT, is_stream, write_output
 
 if TYPE_CHECKING:
@@ -80,10 +80,9 @@ class Bench:
         from cgff_cli.study.suite import cases_of, standard
 
         self.path = None if values["output"] == STDOUT else values["output"]
-        asked = values["output_format"]
-        beside = self.path is not None and asked == "table"
-        self.form = form_of_data(None if beside else asked, self.path)
-        self.table = beside or self.form == "table"
+        outputs = data_outputs(values["output_format"], values["output"])
+        self.form = outputs[0][1]
+        self.table = (STDOUT, "table") in outputs
         self.is_filed = self.path is not None and not is_stream(self.path)
         methods, self.options = wanted_methods(values, "all"), comparing_options(values)
         self.jobs = jobs_of(cases_of(suites or [standard()]), methods, self.options)

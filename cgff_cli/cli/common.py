@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TextIO, TypeVar
 
 import click
 
+from cgff_cli.cli.section_option import SectionOption
 from cgff_cli.errors import CgffError, OptionError, SceneError
 from cgff_cli.report.files import STDOUT, write_output
 
@@ -48,14 +49,6 @@ def worst(*codes: ExitCode) -> ExitCode:
     An error of cgff's own outweighs both, since what it left undone is not known.
     """
     return max(codes, key=lambda code: _SEVERITY.index(code.name))
-
-
-class SectionOption(click.Option):
-    """An option listed in the help under a heading of its own."""
-
-    def __init__(self, *args: Any, section: str = "Options", **attributes: Any):
-        super().__init__(*args, **attributes)
-        self.section = section
 
 
 class SectionCommand(click.Command):

@@ -22,12 +22,12 @@ from cgff_cli.cli.common import (
     worst,
 )
 from cgff_cli.cli.comparing import comparing_flags, comparing_options, wanted_methods
-from cgff_cli.cli.options import once_only, output_flag
+from cgff_cli.cli.options import case_flag, once_only, output_flag
 from cgff_cli.cli.targets import (
     Named,
     check_targets,
+    data_outputs,
     files_of,
-    form_of_data,
     refuse_inputs,
 )
 from cgff_cli.report.files import STDOUT, write_output
@@ -58,6 +58,7 @@ _PLOT = output_flag(
     60.0,
     "Write to FILE: .json everything, .csv a row per scene and method; - is standard output.",
     _PLOT,
+    case_flag("Comparing", "In a load case or combination, begun at the scene's own start."),
 )
 @word_options
 @click.pass_context
@@ -72,40 +73,46 @@ def command(ctx: click.Context, scenes: tuple[str, ...], **values: Any) -> None:
     from cgff_cli.study.machine import done
     from cgff_cli.study.scenes import SceneJob
 
-    form, path = form_of_data(values["output_format"], values["output"]), values["output"]
+    outputs = data_outputs(values["output_format"], values["output"])
+    at_once = [(place, form) for place, form in outputs if place != STDOUT or form == "csv"]
     given = scenes or [shipped(name) for name in PAPER]
-    targets = _prepare(given, path, values["plot"])
+    targets = _prepare(given, values["output"], values["plot"])
     options = comparing_options(values) | {"methods": wanted_methods(values, "fdm")}
     found: list[Comparison] = []
     code = ExitCode.OK
-    for ended in done(map(SceneJob, given), partial(_compared, options, targets)):
+    for ended in done(map(SceneJob, given), partial(_compared, options, values["case"], targets)):
         code = worst(code, _told(ended))
         if ended.found is not None:
             found.append(ended.found)
-            if path in (None, STDOUT) and form != "csv":
-                write_output(STDOUT, _text([ended.found], form, many=len(given) != 1))
+            for place, form in outputs:
+                if (place, form) not in at_once:
+                    write_output(place, _text([ended.found], form, many=len(given) != 1))
     if code is not ExitCode.INTERRUPTED or found:
-        _finish(found, form, path, values["plot"])
+        _finish(found, at_once, values["plot"])
     ctx.exit(code)
 
 
-def _finish(found: "list[Comparison]", form: str, path: str | None, plot: str | None) -> None:
+def _finish(found: "list[Comparison]", outputs: list[tuple[str, str]], plot: str | None) -> None:
     """Write what takes all scenes at once."""
-    if form == "csv" or path not in (None, STDOUT):
-        write_output(path or STDOUT, _text(found, form, many=False))
+    for place, form in outputs:
+        write_output(place, _text(found, form, many=False))
     if plot is not None and found:
         from cgff_cli.report.plots import draw
 
         draw(found, plot)
 
 
-def _compared(options: dict[str, Any], targets: Sequence[Named], job: "SceneJob") -> "Comparison":
+def _compared(
+    options: dict[str, Any], case: str | None, targets: Sequence[Named], job: "SceneJob"
+) -> "Comparison":
     """Return the comparison of one scene, showing on a terminal which method is at work."""
+    from cgff_cli.cases import scene_in_case
     from cgff_cli.scene.read import load
     from cgff_cli.study.compare import compare
 
     scene = load(job.path)
     refuse_inputs(targets, ((file, f"a file of {title(job.path)}") for file in scene.files))
+    scene = scene_in_case(scene, case)
     with progress(title(job.path), delay=0.0) as line:
         show = None if line is None else lambda *run: line.show(f"{run[0]}, run {run[1]}")
         return compare(scene, observer=show, **options)

@@ -16,7 +16,7 @@ from cgff_cli.cli.common import (
     warn_of,
     word_options,
 )
-from cgff_cli.cli.options import Checked, once_only, output_flag
+from cgff_cli.cli.options import Checked, by_key, once_only, output_flag
 from cgff_cli.cli.targets import check_targets, form_of_file, refuse_inputs
 from cgff_cli.errors import OptionError
 from cgff_cli.report.files import STDOUT, write_bytes, write_output
@@ -59,11 +59,11 @@ def command(file: str, output: str, source: str | None, target: str | None, **va
     """
     from cgff_cli.formats.convert import convert
 
-    form = _form(output, target)
+    form, kinds = _form(output, target), by_key("--kind", values["kind"])
     once_only(file, values["nodes"])
     targets = check_targets([(output, "what is converted")], [(file, "the file it is converted from")])
     given = {name: values[name] for name in ("nodes", "law", "EA", "strut_EA") if values[name] is not None}
-    converted = convert(file, source=source, kind=dict(values["kind"]), **given)
+    converted = convert(file, source=source, kind=kinds, **given)
     refuse_inputs(targets, ((path, f"a file of {title(file)}") for path in converted.scene.files))
     written = converted.written(form)
     if isinstance(written, bytes):

@@ -7,9 +7,9 @@ import click
 
 from cgff_cli.cli import common
 from cgff_cli.cli.common import ExitCode, flag, title
-from cgff_cli.cli.options import FORMATS, format_flag, output_flag
-from cgff_cli.cli.targets import check_targets, files_of, form_of_data, refuse_inputs
-from cgff_cli.report.files import STDOUT, write_output
+from cgff_cli.cli.options import FORMATS, case_flag, format_flag, output_flag
+from cgff_cli.cli.targets import check_targets, data_outputs, files_of, refuse_inputs
+from cgff_cli.report.files import write_output
 
 if TYPE_CHECKING:
     from cgff_cli.study.landscape import Equilibria
@@ -33,29 +33,34 @@ def _number(name: str, least: int, default: int, text: str) -> Any:
 @_number("--starts", 1, 200, "Solves, those begun along soft motions included.")
 @_number("--seed", 0, 0, "Seed of the random starts.")
 @_number("--jobs", 1, 1, "Processes at work; nothing that is found depends on it.")
+@case_flag("Search", "In a load case or combination.")
 @flag("--all", "everything", section="Search", is_flag=True, help="List those not stable as well.")
 @output_flag("-o", "--output", dash=True, help=_CONTENTS)
 @format_flag(*FORMATS, help=_FORM)
 @common.word_options
 @click.pass_context
-def command(ctx: click.Context, scene: str, output: str, output_format: str, **values: Any) -> None:
+def command(
+    ctx: click.Context, scene: str, output: str, output_format: str, case: str | None, **values: Any
+) -> None:
     """Find the stable equilibria of a scene.
 
     Half of the starts are the scene's own and random ones in a cube of its size about it; the other half
     goes along the softest motions of what these find. What is found is told best first; shapes that a
     symmetry of the scene maps to each other are of one kind. Ctrl-C keeps what was found.
     """
+    from cgff_cli.cases import scene_in_case
     from cgff_cli.scene.read import load
     from cgff_cli.study.search import equilibria
 
-    form = form_of_data(output_format, output)
+    outputs = data_outputs(output_format, output)
     targets = check_targets([(output, "the equilibria")], files_of([scene]))
     read = load(scene)
     refuse_inputs(targets, ((file, f"a file of {title(scene)}") for file in read.files))
     common.warn_of(scene, read.warnings)
     with common.progress(title(scene), delay=0.0) as line:
-        found = equilibria(read, watcher=None if line is None else line.count, **values)
-    write_output(output or STDOUT, _text(found, form))
+        found = equilibria(scene_in_case(read, case), watcher=None if line is None else line.count, **values)
+    for place, form in outputs:
+        write_output(place, _text(found, form))
     ctx.exit(_told(title(scene), found))
 
 

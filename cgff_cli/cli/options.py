@@ -1,10 +1,10 @@
 """The flags that several commands take: scenes, solve options, where output goes; and how values are read."""
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from functools import partial
-from typing import Any
+from typing import Any, TypeVar
 
 import click
 
@@ -12,9 +12,11 @@ from cgff_cli.cli.common import Decorator, flag, flags
 from cgff_cli.errors import OptionError
 from cgff_cli.options import OPTIONS, checked
 from cgff_cli.report.files import STDOUT
-from cgff_cli.values import Rule
+from cgff_cli.values import ALL_CASES, Rule
 
 FORMATS = ("table", "json", "csv")
+
+Value = TypeVar("Value")
 
 
 class Checked(click.ParamType):
@@ -56,6 +58,16 @@ def once_only(*inputs: str | None) -> None:
     """Raise UsageError where standard input is to be read more than once."""
     if inputs.count(STDOUT) > 1:
         raise click.UsageError("standard input (-) can be read only once")
+
+
+def by_key(words: str, given: Iterable[tuple[str, Value]]) -> dict[str, Value]:
+    """Return key -> value of a flag that may be repeated; raises UsageError for a key given twice."""
+    found: dict[str, Value] = {}
+    for key, value in given:
+        if key in found:
+            raise click.UsageError(f"{words} {key}".rstrip() + " is given twice")
+        found[key] = value
+    return found
 
 
 def _lines(path: str) -> list[str]:
@@ -105,11 +117,13 @@ def rule_flag(
     )
 
 
-def solve_option(name: str, default: object = None) -> Decorator[Any]:
-    """Return what adds the flag of one solve option; `default` is the command's own, where it has one."""
+def solve_option(name: str, default: object = None, help: str = "") -> Decorator[Any]:
+    """Return what adds the flag of one solve option; `default` and `help` may be the command's own."""
     option = OPTIONS[name]
     shown = option.default if default is None else default
-    return rule_flag(name, option.metadata["rule"], partial(checked, name), "Solver", shown)
+    rule = option.metadata["rule"]
+    rule = rule._replace(help=help) if help else rule
+    return rule_flag(name, rule, partial(checked, name), "Solver", shown)
 
 
 def _as_sentence(text: str) -> str:
@@ -125,6 +139,17 @@ solve_options = flags(*map(solve_option, OPTIONS))
 def given_solve_options(values: Mapping[str, Any]) -> dict[str, Any]:
     """Return the solve options that were set on the command line."""
     return {name: values[name] for name in OPTIONS if values.get(name) is not None}
+
+
+def case_flag(section: str, help: str) -> Decorator[Any]:
+    """Return what adds --case of a command that takes one case, not all."""
+    return flag("--case", section=section, type=Checked("NAME", _one_case), metavar="NAME", help=help)
+
+
+def _one_case(name: str) -> str:
+    if name == ALL_CASES:
+        raise OptionError("all is for cgff solve and cgff view; name one load case or combination")
+    return name
 
 
 def output_flag(

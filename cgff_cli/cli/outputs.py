@@ -13,6 +13,7 @@ from cgff_cli.cli.common import drawn, title, wanted
 from cgff_cli.cli.targets import (
     check_targets,
     files_of,
+    form_for_file,
     form_of_data,
     form_of_file,
     refuse_inputs,
@@ -27,9 +28,6 @@ if TYPE_CHECKING:
 _RESULT = {".json": "everything", ".csv": "the coordinates"}
 _ONE_OF_ITS_TABLES = {".json": "one object", ".csv": "a table"}
 _SUMMARY = {".csv": "", ".jsonl": ""}
-_BESIDE = ("table", "jsonl")
-"""Formats that standard output may get beside a file."""
-
 
 _OF_A_RESULT = ("output", "out_dir", "output_format", "history", "elements", "scene_out", "envelope", "case")
 
@@ -48,7 +46,7 @@ class Writing:
 
     flags : those that name files, and --format
     shown : what standard output gets: table, json or csv of the one scene, a summary of many,
-            lines of JSON, or nothing. Files silence it, unless --format table or jsonl asks for both.
+            lines of JSON, or nothing. Files silence it, unless --format asks for what no file has.
     """
 
     flags: Mapping[str, Any]
@@ -179,7 +177,7 @@ def _refuse_conflicts(scenes: Sequence[str], flags: Mapping[str, Any]) -> None:
 
 
 def _files(scene: str, flags: Mapping[str, Any], case: str | None) -> Iterator[File]:
-    asked = None if flags["output_format"] in _BESIDE else flags["output_format"]
+    asked = form_for_file(flags["output_format"], _RESULT)
     if flags["out_dir"] is not None:
         form = asked or "json"
         stem = "stdin" if scene == STDOUT else os.path.splitext(os.path.basename(scene))[0]
@@ -197,8 +195,9 @@ def _files(scene: str, flags: Mapping[str, Any], case: str | None) -> Iterator[F
 
 
 def _shown(flags: Mapping[str, Any], many: bool) -> str:
+    asked = flags["output_format"]
     filed = flags["out_dir"] is not None or flags["output"] not in (None, STDOUT)
-    if filed and flags["output_format"] not in _BESIDE:
+    if filed and asked == form_for_file(asked, _RESULT):
         return ""
     form = form_of_data(flags["output_format"], None)
     if form == "jsonl":

@@ -19,7 +19,7 @@ from cgff_cli.cli.common import (
     warn_of,
     word_options,
 )
-from cgff_cli.cli.options import Checked, format_flag, output_flag
+from cgff_cli.cli.options import Checked, by_key, format_flag, output_flag
 from cgff_cli.cli.targets import check_targets, files_of, form_of_file, refuse_inputs
 from cgff_cli.errors import OptionError
 from cgff_cli.report.files import STDOUT, write_output
@@ -97,6 +97,7 @@ def command(ctx: click.Context, scene: str, **values: Any) -> None:
     from cgff_cli.scene.read import load
 
     output, form = values["output"], values["output_format"]
+    force = by_key("--force", values["force"])
     if output == STDOUT and form is not None:
         raise click.UsageError(
             f"-o - writes the scene to standard output, and so --format {form} has no place"
@@ -107,7 +108,7 @@ def command(ctx: click.Context, scene: str, **values: Any) -> None:
     shape = load(scene)
     refuse_inputs(targets, ((path, f"a file of {title(scene)}") for path in shape.files))
     given = {name: values[name] for name in ("by_group", "by_symmetry", "equal", "tolerance") if values[name]}
-    found = prestress(shape, **given, force=dict(values["force"]))
+    found = prestress(shape, **given, force=force)
     on_page = _write(found, output, form)
     if not on_page:
         warn_of(scene, found.warnings)

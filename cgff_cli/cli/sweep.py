@@ -5,8 +5,15 @@ from typing import Any
 import click
 
 from cgff_cli.cli.common import SectionCommand, examples, flag, note_of, title, warn_of, word_options
-from cgff_cli.cli.options import format_flag, given_solve_options, output_flag, solve_options
-from cgff_cli.cli.sweeping import KeyValues, Shard, by_key, checked_form, swept
+from cgff_cli.cli.options import (
+    by_key,
+    case_flag,
+    format_flag,
+    given_solve_options,
+    output_flag,
+    solve_options,
+)
+from cgff_cli.cli.sweeping import KeyValues, Shard, checked_form, swept
 
 _EPILOG = examples(
     "cgff sweep prism.yaml --set struts.EA=log:10:1e4:50 --out height --out force:struts -o rows.csv",
@@ -33,7 +40,7 @@ _OUT = "Also tell: force:GROUP (least and greatest), length:A,B, node:NAME, slac
     multiple=True,
     help="The same with factors, of the scene's own numbers.",
 )
-@flag("--case", section="What is swept", metavar="NAME", help="Add a load case or combination to every row.")
+@case_flag("What is swept", "Add a load case or combination to every row.")
 @flag(
     *("--zip", "is_zipped"),
     section="What is swept",
@@ -83,6 +90,7 @@ def command(ctx: click.Context, scene: str, **values: Any) -> None:
     Every row starts from the scene's own start, and depends on nothing but its numbers. A run that was
     killed goes on with --resume, to the same bytes as one that was not.
     """
+    from cgff_cli.cases import scene_in_case
     from cgff_cli.scene.read import load
     from cgff_cli.study.sweep import planned
 
@@ -91,7 +99,7 @@ def command(ctx: click.Context, scene: str, **values: Any) -> None:
     warn_of(scene, read.warnings)
     note_of(scene, read.notes)
     plan = planned(
-        read if values["case"] is None else read.in_case(values["case"]),
+        scene_in_case(read, values["case"]),
         set=by_key("--set", values["values"]),
         scale=by_key("--scale", values["factors"]),
         out=values["outs"],

@@ -56,15 +56,6 @@ class Shard(click.ParamType):
         return i, n
 
 
-def by_key(words: str, given: Sequence[tuple[str, str]]) -> dict[str, str]:
-    """Return key -> values; raises UsageError for a key given twice."""
-    keys = [key for key, _ in given]
-    twice = [key for key in keys if keys.count(key) > 1]
-    if twice:
-        raise click.UsageError(f"{words} {twice[0]} is given twice")
-    return dict(given)
-
-
 class Written(NamedTuple):
     """The rows of a chunk as text, and how many they are, did not converge, are bad; what a path keeps."""
 

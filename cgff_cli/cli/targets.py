@@ -41,13 +41,33 @@ def form_of_data(
     """Return the form of what -o or standard output gets: by suffix, by --format, or by who reads it.
 
     otherwise : what anyone reads who asks for nothing
+
+    Raises UsageError where --format asks for another form of the file than its name.
     """
     if path in (None, STDOUT):
         return asked or otherwise or ("table" if sys.stdout.isatty() else "json")
-    form = form_of_file("-o", str(path), contents)
+    form, asked = form_of_file("-o", str(path), contents), form_for_file(asked, contents)
     if None not in (asked, form) and asked != form:
         raise click.UsageError(f"--format {asked} and -o {path} disagree")
     return form or asked or otherwise or "json"
+
+
+def form_for_file(asked: str | None, contents: Mapping[str, str]) -> str | None:
+    """Return the --format asked for where a file can have it; any other, as a page, is not the file's."""
+    return asked if f".{asked}" in contents else None
+
+
+def data_outputs(
+    asked: str | None, path: str | None, contents: Mapping[str, str] = TABLE
+) -> list[tuple[str, str]]:
+    """Return where the data of a command goes, and in which form: to -o, else to standard output.
+
+    A --format that no file has, such as table, goes to standard output while the file gets the data.
+    """
+    own = (path or STDOUT, form_of_data(asked, path, contents))
+    if path in (None, STDOUT) or asked is None or asked == form_for_file(asked, contents):
+        return [own]
+    return [own, (STDOUT, asked)]
 
 
 def check_targets(

@@ -1,6 +1,6 @@
 """What a file of another program describes, gathered in a scene's own values; then checked as a scene is."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -23,33 +23,45 @@ class Asked(NamedTuple):
     kinds: Mapping[str, str] = {}
     nodes: str | None = None
 
-    def asked_law(self, what: str) -> str:
-        """Return the law; raises OptionError where it was not told."""
-        if self.law is None:
-            raise OptionError(f"{what} says no law: give --law hooke or --law paper")
-        return self.law
+    def told(
+        self, what: str, groups: Iterable[str], kinds: Iterable[str] = (), EA: bool = True, lacking: str = ""
+    ) -> tuple[str, dict[str, str]]:
+        """Return the law and the kind of each group; raises OptionError with all that was not told.
 
-    def stiffness_of(self, what: str, kind: str) -> float:
-        """Return the EA of an element of a kind, that of cables where struts have none of their own."""
-        own = self.strut_EA if kind == "strut" and self.strut_EA is not None else self.EA
-        if own is None:
-            flag = "--EA or --strut-EA" if kind == "strut" else "--EA"
-            raise OptionError(f"{what} says no EA of its {kind}s: give {flag}")
-        return own
-
-    def asked_kinds(self, what: str, groups: Iterable[str]) -> dict[str, str]:
-        """Return the kind of every group; raises OptionError of those that were not told, or are none."""
+        groups : those whose kind the file does not say     kinds   : those that it says
+        EA     : whether it says none                       lacking : what else is not told
+        """
         names = list(dict.fromkeys(groups))
         strangers = [name for name in self.kinds if name and name not in names]
-        if strangers:
+        if strangers and names:
             raise OptionError(f"--kind {strangers[0]}=...: there is no such group in {what}: {named(names)}")
-        open_ones = [name for name in names if name not in self.kinds and "" not in self.kinds]
+        asked = [lacking] if lacking else []
+        if self.law is None:
+            asked.append("says no law: give --law hooke or --law paper")
+        found = {name: self.kinds.get(name) or self.kinds.get("", "") for name in names}
+        open_ones = [name for name, kind in found.items() if not kind]
         if open_ones:
-            raise OptionError(
-                f"{what} does not say what is a cable and what is a strut: "
+            asked.append(
+                "does not say what is a cable and what is a strut: "
                 f"give --kind cable or --kind GROUP=strut, for {named(open_ones)}"
             )
-        return {name: self.kinds.get(name) or self.kinds[""] for name in names}
+        asked += self._stiffness_lacking({*kinds, *found.values()}) if EA else ()
+        if asked:
+            raise OptionError(f"{what} {'; it '.join(asked)}")
+        return str(self.law), found
+
+    def stiffness_of(self, kind: str) -> float | None:
+        """Return the EA of an element of a kind, that of cables where struts have none of their own."""
+        return self.strut_EA if kind == "strut" and self.strut_EA is not None else self.EA
+
+    def _stiffness_lacking(self, kinds: Collection[str]) -> Iterator[str]:
+        """Yield what is to be asked of EA; kinds: those there are, "" where that is not told."""
+        lacking = [kind for kind in ("cable", "strut") if kind in kinds and self.stiffness_of(kind) is None]
+        if lacking:
+            flag = "--EA or --strut-EA" if lacking == ["strut"] else "--EA"
+            yield f"says no EA of its {lacking[0]}s: give {flag}"
+        elif "" in kinds and self.EA is self.strut_EA is None:
+            yield "says no EA: give --EA"
 
 
 class Draft:
@@ -76,7 +88,13 @@ class Draft:
         self.places["nodes", name] = at
 
     def element(
-        self, name: str, kind: str, ends: tuple[str, str], at: Mark, EA: float, rest_length: float | None
+        self,
+        name: str,
+        kind: str,
+        ends: tuple[str, str],
+        at: Mark,
+        EA: float | None,
+        rest_length: float | None,
     ) -> None:
         """Add an element to a group, to one beside it where the group is of the other kind."""
         while self.groups.get(name, {"kind": kind})["kind"] != kind:

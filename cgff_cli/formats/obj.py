@@ -98,8 +98,8 @@ def read_obj(text: str, path: str, given: Asked) -> Draft:
     read = _Reading(text)
     if read.faults:
         raise refused(path, read.faults)
-    draft = Draft(path, given.asked_law(_WHAT))
-    kinds = given.asked_kinds(_WHAT, (line.group for line in read.lines))
+    law, kinds = given.told(_WHAT, (line.group for line in read.lines))
+    draft = Draft(path, law)
     names: list[str] = []
     first: dict[tuple[float, ...], str] = {}
     for row, (point, at) in enumerate(read.points):
@@ -108,7 +108,7 @@ def read_obj(text: str, path: str, given: Asked) -> Draft:
     for line in read.lines:
         kind = kinds[line.group]
         for (a, at), (b, _) in zip(line.rows, line.rows[1:], strict=False):
-            draft.element(line.group, kind, (names[a], names[b]), at, given.stiffness_of(_WHAT, kind), None)
+            draft.element(line.group, kind, (names[a], names[b]), at, given.stiffness_of(kind), None)
     draft.assumed.append("vertex number k is node nk; law, EA and kinds are those given to cgff convert")
     merged = len(names) - len(first)
     draft.lost += [f"{count(merged, 'vertex', 'vertices')} at the very point of another"] * (merged > 0)

@@ -12,7 +12,7 @@ from cgff_cli.analysis.slackening import slack_words
 from cgff_cli.as_given import Analysis
 from cgff_cli.hints import count
 from cgff_cli.report.table import analysis_words, changes_table, group_table, structure_words
-from cgff_cli.report.terminal import Aligned, Column, clean, fields, number, numbers
+from cgff_cli.report.terminal import Aligned, Column, clean, fields, heading, number, numbers
 
 _CLEAR = 1e9
 """Gap of singular values whose digits nobody needs: what is left out is rounding."""
@@ -31,7 +31,7 @@ def analysis_page(found: Analysis, full: bool = False) -> Iterator[RenderableTyp
     kind = _TITLES[analysis["stability"]] if found.balanced else ("out of balance", "bold red")
     if found.is_geometry:
         kind = ("geometry", "bold")
-    yield Text.assemble((clean(found.result.source.name), "bold"), "  ", kind)
+    yield Text.assemble(heading(found.result.source), "  ", kind)
     yield fields(_facts(found))
     if analysis["modes"]:
         yield _modes(analysis["modes"])

@@ -17,6 +17,7 @@ from cgff_cli.report.terminal import (
     column,
     duration,
     fields,
+    heading,
     number,
     numbers,
     stabilities,
@@ -45,7 +46,7 @@ DIFFERENCES = {
 def comparison_page(comparison: Comparison, full: bool = False) -> Iterator[RenderableType]:
     """Yield the page; full: every node and element, with lengths and force densities of all methods."""
     shown = [method for method in comparison.methods if method.X is not None]
-    yield Text.assemble((clean(comparison.source.name), "bold"), "  ", (_size(comparison), "dim"))
+    yield Text.assemble(heading(comparison.source), "  ", (_size(comparison), "dim"))
     yield Aligned(_outcomes(comparison.methods))
     if len(shown) > 1:
         yield Aligned(_differences(shown[1:]))

@@ -9,7 +9,7 @@ from rich.text import Text
 
 from cgff_cli.hints import count
 from cgff_cli.report.table import FEW
-from cgff_cli.report.terminal import Aligned, Column, clean, column, fields, number, numbers
+from cgff_cli.report.terminal import Aligned, Column, column, fields, heading, number, numbers
 from cgff_cli.study.landscape import Equilibria
 
 Entries = Sequence[dict[str, Any]]
@@ -39,7 +39,7 @@ def _least(found: Equilibria) -> str:
 def equilibria_page(found: Equilibria, full: bool = False) -> Iterator[RenderableType]:
     """Yield the page; full: list every equilibrium, however many; else many are summed up by kind."""
     yield Text.assemble(
-        (clean(found.source.name), "bold"), "  ", ("interrupted" if found.is_interrupted else "", "yellow")
+        heading(found.source), "  ", ("interrupted" if found.is_interrupted else "", "yellow")
     )
     yield fields(_facts(found))
     told = (own.energy_told for own in found.shapes)

@@ -3,15 +3,19 @@
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
 from rich.console import RenderableType
 from rich.text import Text
 
+from cgff_cli.analysis.equilibrium import labels
 from cgff_cli.hints import count
+from cgff_cli.refusals import in_groups
 from cgff_cli.report.table import names_column, spans_column
 from cgff_cli.report.terminal import Aligned, Column, clean, column, fields, number
 from cgff_cli.rest_lengths import Prestressed
+from cgff_cli.scene.scene import Scene
 
-_NAMED = 10  # elements to blame that are named before it says how many more
+_NAMED = 10  # elements to blame that are named; of more it says how many
 
 
 def prestress_page(found: Prestressed) -> Iterator[RenderableType]:
@@ -59,10 +63,18 @@ def _facts(found: Prestressed) -> Iterator[tuple[str, str]]:
 def _blame(found: Prestressed) -> Iterator[tuple[str, str]]:
     idle = set(found.idle)
     wrong = [label for label in found.never if label not in idle]
-    for what, labels in (("wrong sign", wrong), ("idle", found.idle)):
-        if labels:
-            more = f" and {len(labels) - _NAMED} more" if len(labels) > _NAMED else ""
-            yield what, clean(", ".join(labels[:_NAMED]) + more)
+    for what, blamed in (("wrong sign", wrong), ("idle", found.idle)):
+        if blamed:
+            yield what, clean(_many(found.source, blamed) if len(blamed) > _NAMED else ", ".join(blamed))
+
+
+def _many(source: Scene, wanted: list[str]) -> str:
+    """Return how many elements are blamed, too many to be named, and of which groups."""
+    if len(wanted) == source.element_count:
+        return f"all {len(wanted)} elements"
+    all_labels, blamed = labels(source, np.arange(source.element_count)), set(wanted)
+    rows = np.flatnonzero([label in blamed for label in all_labels])
+    return f"{len(wanted)} of {source.element_count} elements: {in_groups(source, rows)}"
 
 
 def _groups(found: Prestressed) -> Aligned:

@@ -16,6 +16,7 @@ from cgff_cli.report.terminal import (
     column,
     duration,
     fields,
+    heading,
     number,
     numbers,
     verdict_words,
@@ -33,7 +34,7 @@ def result_page(result: Result, full: bool = False) -> Iterator[RenderableType]:
     """Yield the page: how it ended, what was found, nodes and elements; full: each, however many."""
     names, X, reactions = result.source.node_names, result.coordinates, result.reactions
     pulls = np.array(list(reactions.values()))
-    yield Text.assemble((clean(result.source.name), "bold"), "  ", verdict_words(result.verdict))
+    yield Text.assemble(heading(result.source), "  ", verdict_words(result.verdict))
     yield fields(_facts(result))
     many_nodes, many_reactions = (not full and len(own) > FEW for own in (X, pulls))
     if many_nodes:

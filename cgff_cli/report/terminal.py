@@ -14,6 +14,8 @@ from rich.padding import Padding
 from rich.table import Table as Grid
 from rich.text import Text
 
+from cgff_cli.scene.scene import Scene
+
 VERDICTS = {
     "converged": ("converged", "green"),
     "rounding_floor": ("converged to rounding", "green"),
@@ -146,6 +148,11 @@ def _padded(column: Column) -> Column:
         blank + cell if column.right else cell + blank for cell, blank in zip(cells, blanks, strict=True)
     )
     return column._replace(title=title, cells=padded)
+
+
+def heading(scene: Scene) -> tuple[str, str]:
+    """Return what a page calls a scene, its load case too, and how that is drawn."""
+    return clean(f"{scene.name}, {scene.case}" if scene.case else scene.name), "bold"
 
 
 def fields(rows: Iterable[tuple[str, str]]) -> Padding:

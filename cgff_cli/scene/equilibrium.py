@@ -42,6 +42,7 @@ class Equilibrium:
     weight      : of all elements per rest length, which the shape does not balance either
     start       : (n, d) where a solve begins, the coordinates themselves where None
     added_loads : further loads, which the shape does not balance: the answer is then another shape
+    added       : what is to be known of them
     answer      : what is known of the shape beyond the lengths and forces of its groups
     """
 
@@ -53,6 +54,7 @@ class Equilibrium:
     supports: Mapping[int, str] = field(default_factory=dict)
     loads: Mapping[int, tuple[float, ...]] = field(default_factory=dict)
     added_loads: Mapping[int, tuple[float, ...]] = field(default_factory=dict)
+    added: str = ""
     weight: float = 0.0
     start: np.ndarray | None = None
 

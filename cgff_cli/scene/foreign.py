@@ -1,5 +1,7 @@
-"""YAML of other programs, told apart from scenes by their keys."""
+"""Files that are no scenes, told apart by their keys, lines and columns, and what makes scenes of them."""
 
+import re
+from collections.abc import Collection
 from typing import Any
 
 FOREIGN = {"ntrt": "a NASA NTRT structure", "byu": "a BYU TensegritySim structure"}
@@ -26,3 +28,38 @@ def how_to_convert(value: dict[str, Any], path: str) -> str | None:
     file = f"- --from {form}" if path.startswith("<") else path
     flags = " --strut-EA X" if form == "ntrt" else ""
     return f"this is {FOREIGN[form]}, not a scene; make it one: cgff convert {file}{flags} -o scene.yaml"
+
+
+_OBJ_LINES = re.compile(r"^(?:v[ \t]+[-+.\d]|l[ \t]+-?\d)", re.MULTILINE)
+_ASKED = {"EA": " --EA X", "kind": " --kind KIND"}
+_ROWS = {"verdict", "converged", "stability", "energy"}
+
+
+def how_to_use(text: str, path: str) -> str | None:
+    """Return what a text is that is neither YAML nor JSON of a scene, and the command that takes it."""
+    suffix, is_piped = path.lower()[-4:], path.startswith("<")
+    first = next(filter(None, map(str.strip, text.splitlines())), "")
+    columns = {cell.strip() for cell in re.split("[,;\t]", first)}
+    if suffix == ".obj" or _OBJ_LINES.search(text):
+        file = "- --from obj" if is_piped else path
+        return f"this is an OBJ file, not a scene; make it one: cgff convert {file}{_flags()} -o scene.yaml"
+    if {"start", "end"} <= columns:
+        file = "- --from csv" if is_piped else path
+        return (
+            "this is a list of edges, not a scene; make it one: "
+            f"cgff convert {file} --nodes FILE.csv{_flags(columns)} -o scene.yaml"
+        )
+    if columns >= _ROWS and "method" not in columns:
+        file = "FILE.csv" if is_piped else path
+        return f"these are rows of cgff sweep, not a scene; draw them: cgff plot --sweep {file} -o FILE.png"
+    if suffix == ".csv" and first:
+        return (
+            "this is a table, not a scene; a scene may name it, as in nodes: FILE.csv, and cgff convert "
+            "takes lists of edges, with the columns start and end"
+        )
+    return None
+
+
+def _flags(columns: Collection[str] = ()) -> str:
+    """Return the flags for what a geometry does not say; columns: what it says."""
+    return " --law LAW" + "".join(words for name, words in _ASKED.items() if name not in columns)

@@ -93,6 +93,7 @@ def _parameters_of(function: Callable[..., Any]) -> dict[str, Parameter]:
 def _header(name: str, target: Equilibrium, flags: list[tuple[Parameter, Any]], exact: bool) -> str:
     said = "".join(f" {p.flag} {quote(str(value))}" for p, value in flags if value != p.default)
     lines = [f"{target.title}.", f"Made by: cgff new {name}{said}", ""]
+    lines += [target.added] if target.added else []
     if not exact:
         return "\n".join([*lines, "Rest lengths or loads are off the closed form: no answer is on paper."])
     lines += [f"Answer: {target.answer}", *_answer_table(target)]

@@ -1,5 +1,6 @@
 """Nodes while a scene is being read: names to rows, coordinates, vectors, and unknown names."""
 
+import re
 from collections.abc import Callable, Sequence
 from functools import partial
 from itertools import chain
@@ -144,5 +145,12 @@ def _check_odd(findings: Findings, where: Where, value: object, dimension: int |
     if one_text or (planar_or_not and dimension is None):
         return
     why = f" in this {dimension}-D scene" if planar_or_not else ""
-    message = f"must be a list of {wanted} numbers{why}, got {found(value)}"
-    findings.add(where, message, alike=(where[:-1], len(value) > (dimension or 2)))
+    asks = "; are commas meant as decimal points?" if _has_decimal_commas(value, dimension) else ""
+    message = f"must be a list of {wanted} numbers{why}, got {found(value)}{asks}"
+    findings.add(where, message, alike=(where[:-1], len(value) > (dimension or 2), asks))
+
+
+def _has_decimal_commas(value: list[Any], dimension: int | None) -> bool:
+    """Return whether a list holds twice as many numbers as a point, all of them whole: [1,0, 1,5, 5,5]."""
+    twice = (2 * dimension,) if dimension else (4, 6)
+    return len(value) in twice and all(re.fullmatch(r"[-+]?\d+", str(number)) for number in value)

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 STDIN = "<stdin>"
 
 NO_SCENE = (
-    "this is the result of a solve, not a scene: `cgff analyse` judges it, `cgff solve SCENE --start` begins "
-    "at its shape, and `--scene-out` writes a scene when solving"
+    "this is the result of a solve, not a scene; make it one: cgff convert {} -o scene.yaml; as it is, "
+    "`cgff analyse` judges it, and `cgff solve SCENE --start` begins at its shape"
 )
 
 PAPER = ("x-module", "hexagon", "prism")
@@ -102,17 +102,25 @@ def loads(
 def _read(text: str, path: str, base: str, results: bool) -> Scene:
     """Return the scene of a text; it is read again where what was found wrong is then seen more sharply."""
     document = _json(text, path) or Document(yaml_events(text))
+    if not isinstance(document.value, dict):
+        from cgff_cli.scene.foreign import how_to_use
+
+        stranger = how_to_use(text, path)
+        if stranger is not None:
+            raise SceneError([Problem(path, 1, 1, stranger)])
     while True:
         findings, value, moved, answer = Findings(document.faults), document.value, _unmoved, None
+        case: dict[str, Any] = {}
         if is_result(value):
             if not results:
-                raise SceneError([Problem(path, *document.place((), False), NO_SCENE)])
+                said = NO_SCENE.format("-" if path.startswith("<") else path)
+                raise SceneError([Problem(path, *document.place((), False), said)])
             found = ResultValues(value)
-            value, moved, answer = found.value, found.where, found.answer
+            value, moved, answer, case = found.value, found.where, found.answer, found.case
         scene = read_scene(findings, value, path, base) if document.whole else None
         if scene is not None and findings.none:
             place = document.place(("elements",), True)
-            return replace(scene, elements_at=place, answer=answer)
+            return replace(scene, elements_at=place, answer=answer, **case)
         if not document.sharpened(map(moved, findings.wheres)):
             raise SceneError(findings.problems(path, _placing(document.place, moved)))
 

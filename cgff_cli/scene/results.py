@@ -20,6 +20,7 @@ class ResultValues:
 
     value  : what `read_scene` takes; supports and loads as solved, and of the options the tolerance
     answer : how that solve went, its verdict and its history
+    case   : the load case that it was solved in, and where that began, by the names of a scene's fields
     """
 
     def __init__(self, value: dict[str, Any]):
@@ -39,6 +40,8 @@ class ResultValues:
             "loads": value.get("loads"),
             "solver": {name: options[name] for name in ("tolerance",) if name in options},
         }
+        told_of = {name: scene.get(name) for name in ("case", "begins")}
+        self.case = {name: own if _is_line(own) else "" for name, own in told_of.items()}
         self.value = {name: own for name, own in told.items() if own is not None}
         self.answer = {name: value.get(name) for name in ("verdict", "history")}
 
@@ -68,3 +71,7 @@ def _group(records: list[dict[str, Any]]) -> dict[str, Any]:
 def _mapping(value: dict[str, Any], key: str) -> dict[str, Any]:
     own = value.get(key)
     return own if isinstance(own, dict) else {}
+
+
+def _is_line(value: object) -> bool:
+    return isinstance(value, str) and value.isprintable()

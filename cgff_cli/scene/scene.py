@@ -142,7 +142,8 @@ class Scene:
         elif name in self.combinations:
             factors = {DEAD: 0.0, **self.combinations[name]}
         else:
-            raise OptionError(f"no load case is named {name!r}{meant_or_all(name, self.cases)}")
+            known = meant_or_all(name, self.cases) if self.cases else ": the scene has no load cases"
+            raise OptionError(f"no load case is named {name!r}{known}")
         total: dict[int, np.ndarray] = {}
         for part, factor in factors.items():
             for row, load in (self.loads if part == DEAD else self.load_cases[part]).items():

@@ -57,9 +57,20 @@ def _by_group(scene: Scene, change: Callable[[Group], Mapping[str, Any]]) -> Sce
 def _in_units(scene: Scene, units: tuple[float, float]) -> Scene:
     length, force = units
     stiffness = force / length if scene.law == "paper" else force
-    loads = {row: tuple(force * part for part in load) for row, load in scene.loads.items()}
-    scaled = replace(scene, coordinates=scene.coordinates * length, loads=loads)
-    return _by_group(scaled, lambda own: {"EA": own.EA * stiffness, "rest_length": own.rest_length * length})
+    loads, *cases = (
+        {row: tuple(force * part for part in load) for row, load in own.items()}
+        for own in (scene.loads, *scene.load_cases.values())
+    )
+    load_cases = dict(zip(scene.load_cases, cases, strict=True))
+    scaled = replace(scene, coordinates=scene.coordinates * length, loads=loads, load_cases=load_cases)
+    factors = {"EA": stiffness, "rest_length": length, "weight": force / length}
+    return _by_group(
+        scaled, lambda own: {name: _times(getattr(own, name), factors[name]) for name in factors}
+    )
+
+
+def _times(values: np.ndarray | None, factor: float) -> np.ndarray | None:
+    return None if values is None else values * factor
 
 
 def _random_start(scene: Scene, seed: int) -> Scene:
@@ -103,6 +114,7 @@ CHANGES: dict[str, Callable[[Scene, Any], Scene]] = {
     "noise": _noisy,
     "stiffen": _stiffened,
     "stiffen_every_other": _every_other_stiffened,
+    "case": lambda scene, name: scene.in_case(name),
     "offset": lambda scene, by: replace(scene, coordinates=scene.coordinates + np.array(by)),
 }
 """Key of a case's scene -> what it does: (scene, value) -> scene."""

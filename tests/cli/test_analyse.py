@@ -182,6 +182,12 @@ def test_the_page_tells_whether_a_cable_goes_slack_first(run: Run, spring, tensi
     assert words in ended.stdout
 
 
+def test_the_help_says_what_its_tolerance_judges(run: Run):
+    words = " ".join(run("analyse", "--help").stdout.split())
+    assert "--tolerance X Largest out-of-balance force, over the largest force, that still counts as" in words
+    assert "at which to stop" not in words
+
+
 def test_it_goes_to_a_file_but_never_over_its_scene(run: Run, solved: str):
     ended = run("analyse", solved, "-o", "out.json")
     assert (ended.exit_code, ended.stdout) == (0, "")

@@ -221,9 +221,13 @@ def test_a_result_is_no_scene_and_says_what_to_do(run: Run, roof: str):
     ended = run("solve", "a.json")
     assert ended.exit_code == 3
     assert ended.stderr.startswith(
-        "a.json:1:1: this is the result of a solve, not a scene: `cgff analyse` judges"
+        "a.json:1:1: this is the result of a solve, not a scene; make it one: "
+        "cgff convert a.json -o scene.yaml; as it is, `cgff analyse` judges it"
     )
     assert ended.stderr.count("\n") == 1
+    assert run("solve", "prism.yaml", "-o", "prism.json").exit_code == 0
+    assert run("convert", "prism.json", "-o", "scene.yaml").exit_code == 0
+    assert run("prestress", "scene.yaml").exit_code == 0
 
 
 def test_tables_that_solve_writes_are_tables_of_a_scene(run: Run, roof: str):
@@ -244,3 +248,83 @@ def test_a_sweep_takes_a_case(run: Run, roof: str):
     forces = [float(row.split(",")[-1]) for row in rows]
     (snow,) = solve_cases(cgff_cli.load(roof), ["snow"])
     assert forces[0] < forces[1] == pytest.approx(snow.groups["rope"]["force"][1], rel=1e-8)
+
+
+ULS_BY_HAND = {"weight: 0.1": "weight: 0.135", "loads: {c: [0, -0.5]}": "", "load_cases:": "loads:"} | {
+    "  snow: {b: [0, -1], c: [0, -1], d: [0, -1]}": "  {b: [0, -1.5], c: [0, -2.175], d: [0, -1.5]}"
+}
+"""What is to be changed in ROOF for the loads of uls to be its own: 1.35 of weight and loads, 1.5 of snow."""
+
+
+@pytest.fixture
+def by_hand(roof: str) -> str:
+    """Write the roof again with the loads of uls as its own, and no cases; return its path."""
+    text = ROOF.partition("  wind:")[0]
+    for old, new in ULS_BY_HAND.items():
+        text = text.replace(old, new)
+    Path("by_hand.yaml").write_text(text)
+    return "by_hand.yaml"
+
+
+TOLD = {
+    "analyse": ((), lambda told: [told["residual"]["max"], *told["analysis"]["tangent_eigenvalues"]]),
+    "compare": (
+        ("--schek", "--lbfgs", "--repeat", "1"),
+        lambda told: [row["energy"] for row in told["methods"]],
+    ),
+    "equilibria": (("--starts", "6"), lambda told: [own["energy"] for own in told["equilibria"]]),
+}
+"""Command -> flags, and numbers that it tells."""
+
+
+@pytest.mark.parametrize("command", TOLD)
+def test_a_case_is_the_scene_with_its_loads_in_it_by_hand(run: Run, roof: str, by_hand: str, command: str):
+    flags, numbers = TOLD[command]
+    in_case = json.loads(run(command, roof, "--case", "uls", *flags).stdout)
+    assert (in_case["scene"]["case"], in_case["scene"]["begins"]) == ("uls", "start of the scene")
+    own, plain = (json.loads(run(command, path, *flags).stdout) for path in (by_hand, roof))
+    assert numbers(in_case) == pytest.approx(numbers(own), rel=1e-9)
+    assert numbers(in_case)[0] != pytest.approx(numbers(plain)[0], rel=1e-3)
+    page = run(command, roof, "--case", "uls", *flags, "--format", "table").stdout
+    assert page.startswith("roof strip, uls")
+
+
+@pytest.mark.parametrize("command", [*TOLD, "sweep"])
+def test_all_cases_are_for_solve_and_view(run: Run, roof: str, command: str):
+    flags = ("--set", "rope.EA=1000") if command == "sweep" else ()
+    for case, told in (
+        ("all", "all is for cgff solve and cgff view; name one load case or combination"),
+        ("snw", "no load case is named 'snw'; did you mean 'snow'?"),
+    ):
+        ended = run(command, roof, *flags, "--case", case)
+        assert (ended.exit_code, ended.stdout) == (2, "")
+        assert told in ended.stderr
+
+
+def test_a_result_is_analysed_in_the_case_that_it_was_solved_in(run: Run, roof: str):
+    for name, flags in (("uls", ("--case", "uls")), ("plain", ())):
+        assert run("solve", roof, *flags, "-o", f"{name}.json").exit_code == 0
+    plain = run("analyse", "uls.json")
+    assert (plain.exit_code, json.loads(plain.stdout)["scene"]["case"]) == (0, "uls")
+    assert run("analyse", "uls.json", "--case", "uls").stdout == plain.stdout
+    assert run("analyse", "plain.json", "--case", "dead").stdout == run("analyse", "plain.json").stdout
+    for name, own in (("uls", "in case 'uls'"), ("plain", "without a load case")):
+        ended = run("analyse", f"{name}.json", "--case", "snow")
+        assert (ended.exit_code, ended.stdout) == (2, "")
+        assert ended.stderr == f"cgff: {name}.json: this is the result of a solve {own}, not in 'snow'\n"
+
+
+def test_a_suite_names_the_case_of_a_scene_in_whatever_units(run: Run, roof: str):
+    def suite(**scene):
+        Path("suite.yaml").write_text(json.dumps([{"id": "one", "scene": {"file": roof, **scene}}]))
+        return run("bench", "suite.yaml", "--lbfgs", "--repeat", "1", "--format", "json")
+
+    (uls,) = solve_cases(cgff_cli.loads(ROOF), ["uls"])
+    energies = [
+        json.loads(suite(**scene).stdout)["rows"][0]["energy"]
+        for scene in ({"case": "uls"}, {"case": "uls", "units": [8, 2]}, {"units": [8, 2], "case": "uls"})
+    ]
+    assert energies == pytest.approx([uls.energy, 16 * uls.energy, 16 * uls.energy], rel=1e-9)
+    ended = suite(case="snw")
+    assert ended.exit_code == 3
+    assert "case one: no load case is named 'snw'; did you mean 'snow'?" in ended.stderr

@@ -41,6 +41,70 @@ def test_other_commands_say_what_such_a_file_is_and_how_to_convert_it(here):
     assert here("convert", "-", "--from", "byu", "-q", stdin=text).exit_code == 0
 
 
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        (
+            "net.obj",
+            NET,
+            "this is an OBJ file, not a scene; make it one: cgff convert net.obj --law",
+        ),
+        (
+            "net.obj",
+            "v 0 0 0\nv 1 0 0\ng a: b\nl 1 2\n",
+            "this is an OBJ file, not a scene; make it one: cgff convert net.obj",
+        ),
+        ("-", NET, "this is an OBJ file, not a scene; make it one: cgff convert - --from obj --law LAW"),
+        (
+            "edges.csv",
+            "start,end,EA\na,b,5\n",
+            "this is a list of edges, not a scene; make it one: cgff convert edges.csv --nodes FILE.csv "
+            "--law LAW --kind KIND -o scene.yaml\n",
+        ),
+        (
+            "rows.csv",
+            "struts.EA,verdict,converged,stability,iterations,residual_relative,energy\n1,x,true,,0,0,0\n",
+            "these are rows of cgff sweep, not a scene; draw them: cgff plot --sweep rows.csv -o FILE.png\n",
+        ),
+        ("nodes.csv", "name,x,y\na,0,0\n", "this is a table, not a scene; a scene may name it, as in nodes:"),
+    ],
+)
+def test_a_file_that_is_no_scene_is_told_by_its_look_with_what_takes_it(here, tmp_path, name, text, said):
+    (tmp_path / name).write_text(text)
+    for command in ("solve", "check", "analyse", "prestress"):
+        result = here(command, name, stdin=text)
+        assert (result.exit_code, result.stdout) == (3, "")
+        assert result.stderr.startswith(f"{'<stdin>' if name == '-' else name}:1:1: {said}")
+
+
+@pytest.mark.parametrize("text", ["", "just words\n", "- a list\n- of, words\n", "v: 1\nl: 2\n"])
+def test_what_looks_like_nothing_known_is_told_as_before(here, text):
+    assert "not a scene" not in here("check", "-", stdin=text).stderr
+
+
+def test_all_that_is_not_said_is_asked_for_at_once(here, tmp_path):
+    (tmp_path / "edges.csv").write_text("start,end\na,b\n")
+    law = "says no law: give --law hooke or --law paper"
+    kind = "it does not say what is a cable and what is a strut: give --kind cable or --kind GROUP=strut, for"
+    for command, told in (
+        (("net.obj",), f"an OBJ file {law}; {kind} 'ties'; it says no EA: give --EA"),
+        (
+            ("net.obj", "--kind", "strut", "--law", "paper"),
+            "an OBJ file says no EA of its struts: give --EA or",
+        ),
+        (
+            ("net.obj", "--kind", "cable", "--strut-EA", "1"),
+            f"an OBJ file {law}; it says no EA of its cables",
+        ),
+        (
+            ("edges.csv",),
+            "this list of edges needs its nodes: give --nodes FILE.csv with columns name,x,y[,z]; "
+            f"it {law}; {kind} 'elements'; it says no EA: give --EA",
+        ),
+    ):
+        assert here("convert", *command).stderr.startswith(f"cgff: {told}")
+
+
 def test_a_scene_with_a_stray_key_of_another_program_is_still_a_scene(here):
     result = here("check", "-", stdin="law: paper\nnodes: {a: [0, 0]}\npair_groups: {}\n")
     assert "not a scene" not in result.stderr
@@ -74,6 +138,8 @@ def test_suffixes_choose_the_formats_and_flags_overrule_only_silence(here, tmp_p
             ("net.obj", "--law", "paper", "--EA", "1", "--kind", "rope"),
             "--kind must be cable or strut, got 'rope'",
         ),
+        (("net.obj", "--kind", "cable", "--kind", "strut"), "--kind is given twice"),
+        (("net.obj", "--kind", "ties=cable", "--kind", "ties=strut"), "--kind ties is given twice"),
         (("net.obj", "--EA", "0"), "EA must be a number > 0, got 0.0"),
         (
             ("prism.yaml", "-o", "prism.yaml"),

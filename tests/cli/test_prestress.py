@@ -7,7 +7,7 @@ from click.testing import CliRunner
 
 import cgff_cli
 from cgff_cli.cli import main
-from tests.geometries import prism, truss, x_module
+from tests.geometries import geometry, prism, truss, x_module
 
 
 @pytest.fixture
@@ -66,6 +66,19 @@ def test_the_impossible_ends_with_5_writes_nothing_and_says_why(shape, tmp_path)
     assert set(record["certificate"]) == {"n0", "n1", "n2", "n3"}
 
 
+def test_idle_elements_too_many_to_name_are_counted_by_group(shape):
+    page = run(shape(cgff_cli.new("net")), "--by-group", "--equal", "force", "--format", "table").stdout
+    assert " ".join(page.split()).endswith(" idle all 144 elements")
+    square = x_module()
+    tail = [(1, 4), *((4 + i, 5 + i) for i in range(10))]
+    tailed = geometry(
+        [*square.coordinates.tolist(), *([2.0 + i, 0.5] for i in range(11))],
+        {own.name: (own.kind, own.pairs.tolist()) for own in square.groups} | {"tail": ("cable", tail)},
+    )
+    page = run(shape(tailed), "--format", "table").stdout
+    assert " ".join(page.split()).endswith(" idle 11 of 17 elements: 11 of 11 in 'tail'")
+
+
 def test_an_unstable_self_stress_is_written_with_a_warning(shape):
     result = run(shape(prism(7, ring=2)))
     assert result.exit_code == 0
@@ -92,6 +105,7 @@ def test_flags_are_those_of_the_function(shape):
         (["--tolerance", "2"], "tolerance must be a number between 0 and 1, got 2.0"),
         (["--by-group", "--by-symmetry"], "members share values by group or by symmetry, not by both"),
         (["--force", "struts=-2", "--force", "top=3"], "one force alone sets the level of a self-stress"),
+        (["--force", "struts=-2", "--force", "struts=-3"], "--force struts is given twice"),
         (["-o", "-", "--format", "json"], "-o - writes the scene to standard output, and so --format json"),
         (["--equal", "force"], "an equal force needs members that share it"),
         (["-o", "scene.json"], "-o scene.json: the name of a scene must end in .yaml or .yml"),

@@ -2,11 +2,13 @@
 
 import csv
 import json
+import re
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
 
+from cgff_cli.cli import COMMANDS, main
 from tests.cli.conftest import Run
 
 
@@ -39,10 +41,37 @@ def test_a_dash_is_standard_output(run: Run):
     assert run("solve", "prism.yaml", "-o", "-", "--format", "csv").stdout.startswith("name,")
 
 
-def test_a_table_can_be_shown_beside_a_file(run: Run):
-    ended = run("solve", "prism.yaml", "-o", "out.json", "--format", "table")
-    assert "Triangular prism" in ended.stdout
-    assert json.loads(Path("out.json").read_text())["converged"] is True
+ON_ONE_SCENE = {
+    "solve": (),
+    "compare": ("--fdm", "--repeat", "1"),
+    "bench": ("--fdm", "--repeat", "1"),
+    "analyse": (),
+    "equilibria": ("--starts", "4"),
+}
+"""Command whose data a file named .json can hold -> flags that make it quick."""
+
+
+@pytest.mark.parametrize("name", ON_ONE_SCENE)
+def test_a_page_can_be_shown_beside_a_file_of_the_data(run: Run, name: str):
+    plain = run(name, "prism.yaml", *ON_ONE_SCENE[name], "--format", "table")
+    both = run(name, "prism.yaml", *ON_ONE_SCENE[name], "--format", "table", "-o", "out.json")
+    assert both.exit_code == plain.exit_code
+    assert _without_times(both.stdout) == _without_times(plain.stdout) != ""
+    assert json.loads(Path("out.json").read_text())["schema"].startswith("cgff-")
+
+
+def _without_times(page: str) -> str:
+    """Return a page without durations and the blanks that line up with them."""
+    return " ".join(re.sub(r"[\d.]+ m?s\b", "TIME", page).split())
+
+
+def test_a_command_that_can_show_a_page_beside_a_file_is_tried_above(run: Run):
+    pages = set()
+    for name in COMMANDS:
+        told = {own.opts[0]: own for own in main.get_command(None, name).params}  # type: ignore
+        if "-o" in told and "table" in getattr(getattr(told.get("--format"), "type", None), "choices", ()):
+            pages.add(name)
+    assert pages == {*ON_ONE_SCENE, "prestress"}  # that one writes a scene, beside whatever page
 
 
 @pytest.mark.parametrize("name", ["out.txt", "out", "out.yaml"])
@@ -232,7 +261,7 @@ SUMMARY = (
 
 
 def test_a_summary_is_a_row_per_scene_a_bad_one_too(run: Run, bad: str):
-    ended = run("solve", "prism.yaml", bad, "bracket.yaml", "--summary", "s.csv", "--summary", "s.csv")
+    ended = run("solve", "prism.yaml", bad, "bracket.yaml", "--summary", "s.csv")
     assert ended.exit_code == 3
     assert Path("s.csv").read_text().splitlines()[0] == SUMMARY
     prism, broken, bracket = csv.DictReader(Path("s.csv").read_text().splitlines())

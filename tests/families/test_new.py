@@ -83,6 +83,13 @@ def test_the_header_tells_what_made_the_scene_and_its_answer():
     assert lines[-2].split() == ["verticals", "2.141444942", "10"]
 
 
+def test_the_header_of_a_net_tells_how_much_of_the_plan_has_snow():
+    scene, header = make("net", {"side": 12, "span": 12.0, "snow": 2.0})
+    assert -sum(load[2] for load in scene.loads.values()) == pytest.approx(2.0 * 119.008, rel=1e-5)
+    assert "Snow: at nodes inside, for 119.008 of 144 of plan area; the rim takes the rest." in header
+    assert "Snow" not in make("net", {})[1]
+
+
 def test_the_header_promises_no_answer_where_none_is_known():
     for given in ({"jitter": 0.01}, {"snow": 1.0}):
         assert "Answer" not in make("net", given)[1]

@@ -62,7 +62,7 @@ def test_every_mistake_of_both_tables_is_told_at_once(tmp_path):
         SceneError, match=r"edges\.csv:1:1: the first line must name the columns, missing: start"
     ):
         converted(tmp_path, "a,b\nb,c\n", EA=1.0, kind="cable")
-    with pytest.raises(OptionError, match="a list of edges needs its nodes: give --nodes"):
+    with pytest.raises(OptionError, match="this list of edges needs its nodes: give --nodes"):
         cgff_cli.convert(str(tmp_path / "edges.csv"), law="hooke")
 
 

@@ -65,6 +65,12 @@ def test_a_case_that_is_none_is_refused(name, told):
     assert str(caught.value) == told
 
 
+def test_a_scene_without_cases_says_so():
+    with pytest.raises(cgff_cli.OptionError) as caught:
+        cgff_cli.new("prism").in_case("wind")
+    assert str(caught.value) == "no load case is named 'wind': the scene has no load cases"
+
+
 def test_other_loads_are_in_place_of_its_own():
     assert SCENE.with_loads({"right": [1, 2]}).loads == {2: (1.0, 2.0)}
     assert SCENE.with_loads({}).loads == {}

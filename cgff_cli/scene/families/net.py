@@ -19,7 +19,13 @@ def equilibrium(
     side: Annotated[int, Rule("nodes along each side, the rim among them", least=3, most=4000)] = 10,
     span: Annotated[float, Rule("width of the net", positive=True)] = 10.0,
     rise: Annotated[float, Rule("height of the rim's middles above and below its corners")] = 1.5,
-    snow: Annotated[float, Rule("load on every unit of plan area, downwards, put on afterwards")] = 0.0,
+    snow: Annotated[
+        float,
+        Rule(
+            "load on every unit of plan area, downwards, put on afterwards at the nodes inside, each for a "
+            "square of its own; what falls on the half squares along the rim is left to the rim"
+        ),
+    ] = 0.0,
     weight: Weight = 0.0,
     start: Annotated[str, Rule("where the inside starts", choices=("flat", "saddle"))] = "flat",
     prestress: Prestress = 10.0,
@@ -34,7 +40,9 @@ def equilibrium(
     j, i = np.divmod(kept, side)
     u, v = 2.0 * i / (side - 1) - 1.0, 2.0 * j / (side - 1) - 1.0
     X = np.column_stack([span / 2.0 * u, span / 2.0 * v, rise * (u**2 - v**2)])
-    load = (0.0, 0.0, -snow * (span / (side - 1)) ** 2)
+    square = (span / (side - 1)) ** 2
+    load, area = (0.0, 0.0, -snow * square), (side - 2) ** 2 * square
+    loaded = f"Snow: at nodes inside, for {area:.6g} of {span**2:.6g} of plan area; the rim takes the rest."
     groups = (
         members("along_x", "cable", _pairs(rows[1:-1, :-1], rows[1:-1, 1:]), 1.0),
         members("along_y", "cable", _pairs(rows[:-1, 1:-1], rows[1:, 1:-1]), 1.0),
@@ -49,6 +57,7 @@ def equilibrium(
             supports=dict.fromkeys(np.flatnonzero(on_rim).tolist(), "xyz"),
             weight=weight,
             added_loads=dict.fromkeys(np.flatnonzero(~on_rim).tolist(), load) if snow else {},
+            added=loaded if snow else "",
             start=np.where(on_rim[:, None], X, X * (1.0, 1.0, 0.0)) if start == "flat" else None,
         ),
         prestress,
