@@ -89,11 +89,12 @@ def test_a_loaded_pair_of_cables_hangs_as_statics_says(pair: Scene):
 def test_every_row_is_the_solve_of_the_changed_scene(
     prism: Scene, asked: dict[str, object], change: Callable[..., dict[str, np.ndarray]]
 ):
-    ((key, _),) = next(iter(asked.values())).items()
+    factors = {f"{key}.scale" for key in asked.get("scale", {})}
+    (name,) = factors or asked["set"]
     words = ("force:struts", "length:n1,n4", "slack", "max_strain")
     for row in sweep(prism, out=words, **asked):
         groups = [
-            replace(own, **change(own, row[key])) if own.name == "struts" else own for own in prism.groups
+            replace(own, **change(own, row[name])) if own.name == "struts" else own for own in prism.groups
         ]
         alone = cgff_cli.solve(replace(prism, groups=tuple(groups)))
         assert row["stability"] == alone.analysis["stability"]
