@@ -14,14 +14,14 @@ MOST_LINES_OF_A_FUNCTION = 50
 BUDGET = {
     "top": 1820,
     "analysis": 2262,
-    "cli": 2934,
+    "cli": 2937,
     "formats": 1445,
     "mechanics": 966,
     "report": 2536,
-    "rivals": 1117,
-    "scene": 4587,
-    "solvers": 2452,
-    "study": 3005,
+    "rivals": 1126,
+    "scene": 4588,
+    "solvers": 2454,
+    "study": 3125,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""
 

@@ -20,6 +20,7 @@ from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers.many.loop import Solutions
 from cgff_cli.structure import from_scene, refuse_geometry
 from cgff_cli.study.axes import Axis, Values, axes, numbers_of
+from cgff_cli.study.load_factors import with_factors
 from cgff_cli.study.outs import Answers, Out, outs
 from cgff_cli.values import Rule
 
@@ -123,6 +124,9 @@ class Sweep:
             factors = column.reshape(-1, *(1,) * numbers[axis.place].ndim)
             at = (slice(None), *axis.place)
             array[at] = array[at] * factors if axis.is_factor else factors
+        if "factors" in found:
+            loads, weights = (found.get(name, own[name][None]) for name in ("loads", "weights"))
+            found |= with_factors(self.scene, found.pop("factors"), loads, weights)
         if "pretension" in found:
             t, EA = found.pop("pretension"), found.get("EA", own["EA"])
             rest = found.setdefault("rest_lengths", np.tile(own["rest_lengths"], (len(values), 1)))
