@@ -14,14 +14,14 @@ MOST_LINES_OF_A_FUNCTION = 50
 BUDGET = {
     "top": 1820,
     "analysis": 2262,
-    "cli": 2937,
+    "cli": 2947,
     "formats": 1445,
     "mechanics": 966,
     "report": 2536,
     "rivals": 1126,
     "scene": 4588,
     "solvers": 2454,
-    "study": 3125,
+    "study": 3151,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""
 

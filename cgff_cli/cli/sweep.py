@@ -1,12 +1,13 @@
 """`cgff sweep`: one scene solved for many sets of numbers, a row for each."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import click
 
 from cgff_cli.cli.common import SectionCommand, examples, flag, note_of, title, warn_of, word_options
 from cgff_cli.cli.options import format_flag, given_solve_options, output_flag, solve_options
-from cgff_cli.cli.sweeping import KeyValues, Shard, by_key, checked_form, swept
+from cgff_cli.cli.sweeping import KeyValues, Shard, checked_form, swept
 
 _EPILOG = examples(
     "cgff sweep prism.yaml --set struts.EA=log:10:1e4:50 --out height --out force:struts -o rows.csv",
@@ -95,11 +96,20 @@ def command(ctx: click.Context, scene: str, **values: Any) -> None:
     note_of(scene, read.notes)
     plan = planned(
         read if values["case"] is None else read.in_case(values["case"]),
-        set=by_key("--set", values["values"]),
-        scale=by_key("--scale", values["factors"]),
+        set=_by_key("--set", values["values"]),
+        scale=_by_key("--scale", values["factors"]),
         out=values["outs"],
         zip=values["is_zipped"],
         random=values["random"],
         **given_solve_options(values),
     )
     ctx.exit(swept(title(scene), plan, form, values))
+
+
+def _by_key(words: str, given: Sequence[tuple[str, str]]) -> dict[str, str]:
+    """Return key -> values; raises UsageError for a key given twice."""
+    keys = [key for key, _ in given]
+    twice = [key for key in keys if keys.count(key) > 1]
+    if twice:
+        raise click.UsageError(f"{words} {twice[0]} is given twice")
+    return dict(given)

@@ -50,11 +50,15 @@ class Span(NamedTuple):
 
 
 class SolvedRows(NamedTuple):
-    """What became of a chunk: columns by name, (rows,) each; how many rows did not converge, or were bad."""
+    """What became of a chunk: columns by name, (rows,) each; how many rows did not converge, or were bad.
+
+    not_judged: balance, but are so far from it that nothing is told of their stability, where that is asked
+    """
 
     columns: dict[str, list[Any]]
     not_converged: int
     bad: int
+    not_judged: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,7 +173,9 @@ class Sweep:
             told["verdict"] = np.where(good, told["verdict"], BAD_SCENE)
             told["converged"] = np.where(good, told["converged"], False)
         columns = swept | {name: column.tolist() for name, column in told.items()}
-        return SolvedRows(columns, int((~answers.converged).sum()), int((~good).sum()))
+        asked = self.options.analysis != "never"
+        unsaid = asked and answers.converged & [word is None for word in answers.stability]
+        return SolvedRows(columns, *(int(np.sum(rows)) for rows in (~answers.converged, ~good, unsaid)))
 
     def may_be(self, arrays: dict[str, np.ndarray], count: int) -> np.ndarray:
         """Return (m,) bool: rows whose pretensions have rest lengths, and whose loads can be held."""

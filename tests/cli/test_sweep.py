@@ -220,6 +220,26 @@ def test_a_path_tells_where_an_equilibrium_is_lost_and_goes_on_where_it_was_kill
         assert Path("rows.csv").read_bytes() == expected
 
 
+def test_rows_of_a_path_without_a_jump_are_counted_with_the_reason(run: Run):
+    ended = run("sweep", "prism.yaml", "--set", "struts.rest_length=8:5:7", "--follow", "-o", "rows.csv")
+    told = (
+        "cgff: prism.yaml: 3 rows without jump: the shape before is not stable, "
+        "so that none is predicted from it\n"
+    )
+    assert (ended.exit_code, ended.stderr) == (0, told)
+    assert json.loads(Path("rows.csv.sweep.json").read_text())["no_jump"] == 3
+
+
+def test_rows_without_stability_are_counted_where_it_was_asked_for(run: Run, monkeypatch: pytest.MonkeyPatch):
+    flags = ("sweep", "bracket.yaml", "--set", "tie.EA=1000,1100")
+    assert run(*flags, "--analysis", "never").stderr == ""
+    monkeypatch.setattr("cgff_cli.many._suits", lambda structure, options: False)  # as large ones are solved
+    monkeypatch.setattr("cgff_cli.many.stability_of", lambda solution, options: {"stability": None})
+    told = "2 rows without stability: forces left over blur its sign; a smaller --tolerance may tell"
+    assert run(*flags).stderr == f"cgff: bracket.yaml: {told}\n"
+    assert run(*flags, "--analysis", "never").stderr == ""
+
+
 def test_a_path_on_a_full_disk_goes_on_from_the_last_row_that_is_there(tmp_path: Path):
     (tmp_path / "truss.yaml").write_text(TRUSS)
     flags = ["sweep", "truss.yaml", "--set", "loads.b.y=0:-1:101", "--follow"]
