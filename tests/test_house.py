@@ -17,7 +17,7 @@ BUDGET = {
     "cli": 2947,
     "formats": 1445,
     "mechanics": 966,
-    "report": 2536,
+    "report": 2550,
     "rivals": 1126,
     "scene": 4588,
     "solvers": 2454,
