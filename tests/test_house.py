@@ -14,14 +14,14 @@ MOST_LINES_OF_A_FUNCTION = 50
 BUDGET = {
     "top": 1888,
     "analysis": 2363,
-    "cli": 3025,
+    "cli": 3037,
     "formats": 1475,
     "mechanics": 966,
-    "report": 2604,
+    "report": 2618,
     "rivals": 1126,
-    "scene": 4676,
+    "scene": 4677,
     "solvers": 2471,
-    "study": 3074,
+    "study": 3220,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""
 

@@ -20,7 +20,10 @@ _EPILOG = examples(
     "cgff sweep net.yaml --scale cables.rest_length=0.9:1.1:21 --jobs 4 --resume -o rows.jsonl",
 )
 _VALUES = "LEAST:GREATEST:COUNT, log:LEAST:GREATEST:COUNT, or numbers with commas"
-_KEYS = "GROUP.rest_length, .EA, .pretension, .weight, nodes.NAME.x, loads.NAME.x"
+_KEYS = (
+    "GROUP.rest_length, .EA, .pretension, .weight, or A,B for GROUP, one element by its nodes, "
+    "nodes.NAME.x, loads.NAME.x, case.NAME, the factor of a load case or combination"
+)
 _OUT = "Also tell: force:GROUP (least and greatest), length:A,B, node:NAME, slack, max_strain or height."
 
 
@@ -38,7 +41,7 @@ _OUT = "Also tell: force:GROUP (least and greatest), length:A,B, node:NAME, slac
     section="What is swept",
     type=KeyValues(),
     multiple=True,
-    help="The same with factors, of the scene's own numbers.",
+    help="The same with factors, of the scene's own numbers, or of all its loads by the key loads.",
 )
 @case_flag("What is swept", "Add a load case or combination to every row.")
 @flag(

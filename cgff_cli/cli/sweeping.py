@@ -21,6 +21,12 @@ if TYPE_CHECKING:
     from cgff_cli.study.sweep import Span, Sweep
 
 _ROWS = {".csv": "", ".jsonl": ""}
+_OF_ROWS = {
+    "not_converged": "did not converge",
+    "not_judged": "without stability: forces left over blur its sign; a smaller --tolerance may tell",
+    "no_jump": "without jump: the shape before is not stable, so that none is predicted from it",
+}
+"""What is said of rows on standard error, by what counts them."""
 
 
 class KeyValues(click.ParamType):
@@ -57,12 +63,14 @@ class Shard(click.ParamType):
 
 
 class Written(NamedTuple):
-    """The rows of a chunk as text, and how many they are, did not converge, are bad; what a path keeps."""
+    """The rows of a chunk as text, and how many they are and of each kind, by COUNTS; what a path keeps."""
 
     text: str
     rows_done: int = 0
     not_converged: int = 0
     bad: int = 0
+    not_judged: int = 0
+    no_jump: int = 0
     kept: dict[str, Any] | None = None
 
 
@@ -76,9 +84,8 @@ class RowsWriting:
     def __call__(self, span: "Span") -> Written:
         """Solve a chunk."""
         block = self.plan.solved(span)
-        return Written(
-            as_text(self.form, block.columns), span.last - span.first, block.not_converged, block.bad
-        )
+        counts = span.last - span.first, block.not_converged, block.bad, block.not_judged
+        return Written(as_text(self.form, block.columns), *counts)
 
 
 def as_text(form: str, columns: Mapping[str, Sequence[Any]]) -> str:
@@ -168,11 +175,12 @@ def _walked(path: "Path", form: str, sink: "Sink", name: str) -> "Iterator[Done]
         path.here = PathPoint(last["value"], np.array(last["shape"]), last["stability"])
     for stop in path.stops(sink.counts["rows_done"]):
         for value in stop.lost:
-            say(f"cgff: {name}: an equilibrium is lost at {path.axis.key} = {value:.9g}")
+            say(f"cgff: {name}: an equilibrium is lost at {path.axis.column} = {value:.9g}")
         here = stop.here
         kept = None if here is None else {"here": {**vars(here), "shape": here.shape.tolist()}}
         row = as_text(form, {column: [value] for column, value in stop.row.items()})
-        yield Done(path, Written(row, 1, int(not stop.row["converged"]), kept=kept))
+        missed = int(not stop.row["converged"]), 0, int(stop.not_judged), int(stop.no_jump)
+        yield Done(path, Written(row, 1, *missed, kept))
 
 
 def _others(address: str | None, left: range) -> AbstractContextManager[Any] | None:
@@ -195,8 +203,9 @@ def _told(name: str, counts: Mapping[str, int], total: int, goes_on: bool) -> Ex
         from cgff_cli.study.sweep import BAD_SCENE, NO_SCENE
 
         say(f"cgff: {name}: {count(counts['bad'], 'row')} {BAD_SCENE}: {NO_SCENE}")
-    if counts["not_converged"]:
-        say(f"cgff: {name}: {count(counts['not_converged'], 'row')} did not converge")
+    for kind, what in _OF_ROWS.items():
+        if counts[kind]:
+            say(f"cgff: {name}: {count(counts[kind], 'row')} {what}")
     if counts["bad"]:
         return ExitCode.SCENE
     return ExitCode.NOT_CONVERGED if counts["not_converged"] else ExitCode.OK

@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 HISTORY = ("iteration", "residual_max", "gradient_norm")
 """The column along a history's curves, and the curves."""
 
+FALL_LINE = "an equilibrium is lost"
+"""What the line says that stands where a path fell."""
+
 MOST_CURVES = 9
 """Values of a second swept number that are a curve each."""
 
@@ -66,7 +69,10 @@ def read_rows(path: str) -> tuple[list[str], list[str], list[dict[str, str]]]:
 def draw_sweep(
     swept: Sequence[str], found: Sequence[str], rows: Sequence[Mapping[str, str]], axes: Any
 ) -> None:
-    """Draw what was found against the first swept number, a curve for each value of the second, if few."""
+    """Draw what was found against the first swept number, a curve for each value of the second, if few.
+
+    Of a path, a curve ends before a row in which an equilibrium was lost, and a line tells where that was.
+    """
     first, *others = swept
     values = list(dict.fromkeys(tuple(row[name] for name in others) for row in rows))
     is_curve = len(values) <= MOST_CURVES
@@ -77,16 +83,24 @@ def draw_sweep(
             x, y = (np.array([_number(row[column], row) for row in mine]) for column in (first, name))
             style = "-" if is_curve and np.all(np.diff(x[np.isfinite(x)]) != 0.0) else ""
             mark = MARKERS[number % len(MARKERS)]
+            lost = np.array([_float(row.get("lost")) for row in mine])
+            x, y = (np.insert(column, np.flatnonzero(np.isfinite(lost)), np.nan) for column in (x, y))
             own.plot(x, y, f"{mark}{style}", label=told or None, markersize=3.5, linewidth=1.1)
+            for nth, there in enumerate(lost[np.isfinite(lost)].tolist()):
+                own.axvline(there, color="0.4", linestyle=":", label=None if nth else FALL_LINE)
         own.set(xlabel=first, ylabel=name)
         own.grid(visible=True, alpha=0.3)
-        if is_curve and others:
+        if own.get_legend_handles_labels()[1]:
             own.legend(fontsize="small")
 
 
 def _number(text: str, row: Mapping[str, str]) -> float:
     """Return a number of a row; NaN where there is none, or the row did not converge."""
+    return _float(text) if row["converged"] == "true" else np.nan
+
+
+def _float(text: str | None) -> float:
     try:
-        return float(text) if row["converged"] == "true" else np.nan
+        return float(text or "nan")
     except ValueError:
         return np.nan

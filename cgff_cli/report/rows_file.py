@@ -20,7 +20,7 @@ EVERY = 1.0
 """Seconds between two looks that rows have reached the disk: as much work is lost with the power, or to a
 kill. No row depends on it."""
 
-COUNTS = ("rows_done", "bytes", "not_converged", "bad")
+COUNTS = ("rows_done", "bytes", "not_converged", "bad", "not_judged", "no_jump")
 
 
 class Sink(Protocol):

@@ -15,7 +15,7 @@ def chosen_rows(scene: Scene, name: str) -> np.ndarray:
     Raises OptionError where there is none, or where several join two nodes. A group's name comes first.
     """
     if "," not in name or name in {group.name for group in scene.groups}:
-        return rows_of_group(scene, name)
+        return rows_of_group(scene, name, " (one element is written A,B, by its nodes)")
     ends = pair_of(scene, name)
     rows = np.flatnonzero((np.sort(all_pairs(scene.groups), axis=1) == sorted(ends)).all(axis=1))
     if len(rows) != 1:
@@ -24,11 +24,12 @@ def chosen_rows(scene: Scene, name: str) -> np.ndarray:
     return rows
 
 
-def rows_of_group(scene: Scene, name: str) -> np.ndarray:
-    """Return the rows of a group's elements; raises OptionError where there is no such group."""
+def rows_of_group(scene: Scene, name: str, or_else: str = "") -> np.ndarray:
+    """Return the rows of a group's elements; raises OptionError, with or_else, where there is none."""
     groups = [group.name for group in scene.groups]
     if name not in groups:
-        raise OptionError(f"no group is named {quoted(name)}{did_you_mean(name, groups, 'there are')}")
+        meant = did_you_mean(name, groups, "there are")
+        raise OptionError(f"no group is named {quoted(name)}{or_else}{meant}")
     return np.flatnonzero(scene.owners == groups.index(name))
 
 

@@ -1,10 +1,11 @@
 """The numbers of a scene that a sweep changes: their keys, the values they take, their places in its arrays.
 
-A new kind of key is one entry of OF_GROUPS or OF_NODES.
+A new kind of key is one entry of OF_GROUPS or OF_NODES. One element is named by its nodes, A,B.
 """
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from itertools import combinations
 from math import isfinite
 from typing import Any, NamedTuple
 
@@ -15,15 +16,22 @@ from cgff_cli.many import own_numbers
 from cgff_cli.scene.laws import rules
 from cgff_cli.scene.nodes import ANY_SIZE
 from cgff_cli.scene.scene import AXES, Scene
-from cgff_cli.scene.select import rows_of_group
+from cgff_cli.scene.select import chosen_rows
 from cgff_cli.structure import from_scene
+from cgff_cli.study.load_factors import check_factored, factored_names, in_factored
 from cgff_cli.values import Rule, as_number
 
 OF_GROUPS = {"rest_length": "rest_lengths", "EA": "EA", "pretension": "pretension", "weight": "weights"}
 OF_NODES = {"nodes": "coordinates", "loads": "loads"}
 """What the last, or the first, word of a key names -> the array of `solve_many` that holds it."""
 
-KEYS = "GROUP.rest_length, GROUP.EA, GROUP.pretension, GROUP.weight, nodes.NAME.x or loads.NAME.x"
+LOADS, CASE = "loads", "case"
+"""What a key calls all loads of the scene, and what stands before the name of a load case."""
+
+KEYS = (
+    "GROUP.rest_length, .EA, .pretension or .weight, with A,B for GROUP those of one element, "
+    "nodes.NAME.x, loads.NAME.x, case.NAME or, by factors, loads"
+)
 COUNT = Rule(kind=int, least=1, most=10**7)
 
 Values = str | float | Sequence[float]
@@ -46,6 +54,11 @@ class Axis(NamedTuple):
     is_range: bool = False
     is_log: bool = False
     is_factor: bool = False
+
+    @property
+    def column(self) -> str:
+        """Name of its column: the key, and what tells factors from the numbers themselves."""
+        return f"{self.key}.scale" if self.is_factor else self.key
 
     def at(self, shares: np.ndarray) -> np.ndarray:
         """Return random values, (m,), for uniform shares of [0, 1)."""
@@ -72,25 +85,41 @@ def axes(
     found = []
     for own, is_factor in ((values, False), (factors, True)):
         for key, given in own.items():
-            (array, place), (numbers, is_range, is_log) = _place(scene, key), _values(key, given, is_random)
-            found.append(_checked(scene, Axis(key, array, place, numbers, is_range, is_log, is_factor)))
+            array, place = _place(scene, key, is_factor)
+            numbers, is_range, is_log = _values(key, given, is_random)
+            found.append(Axis(key, array, place, numbers, is_range, is_log, is_factor))
+            _check_values(scene, found[-1])
+    _check_together(scene, found)
     return tuple(found)
 
 
 def numbers_of(scene: Scene) -> dict[str, np.ndarray]:
-    """Return a scene's own numbers by array; NaN where a group was given no pretension."""
+    """Return a scene's own numbers by array; NaN where a group has no pretension, and for load factors."""
     nothing = (np.full_like(group.EA, np.nan) for group in scene.groups)
     given = zip(scene.groups, nothing, strict=True)
     pretension = [none if group.pretension is None else group.pretension for group, none in given]
-    return {**own_numbers(scene, from_scene(scene)), "pretension": np.concatenate(pretension)}
+    return {
+        **own_numbers(scene, from_scene(scene)),
+        "pretension": np.concatenate(pretension),
+        "factors": np.full(len(factored_names(scene)), np.nan),
+    }
 
 
-def _place(scene: Scene, key: str) -> tuple[str, Any]:
+def _place(scene: Scene, key: str, is_factor: bool) -> tuple[str, Any]:
     """Return the array and the place in it that a key names; only its ends have a meaning of their own."""
+    if key == LOADS:
+        if not is_factor:
+            raise OptionError(f"{key}: all loads are many numbers; scale them, or set {LOADS}.NAME.x")
+        return "loads", (slice(None), slice(None))
     stem, _, last = key.rpartition(".")
     kind, _, node = stem.partition(".")
+    if stem == CASE and not (last in OF_GROUPS and any(group.name == CASE for group in scene.groups)):
+        if is_factor:
+            raise OptionError(f"{key}: is a factor itself; set it")
+        scene.in_case(last)
+        return "factors", (factored_names(scene).index(last),)
     if last in OF_GROUPS:
-        return OF_GROUPS[last], (rows_of_group(scene, stem),)
+        return OF_GROUPS[last], (chosen_rows(scene, stem),)
     if kind in OF_NODES and last in AXES[: scene.dimension]:
         return OF_NODES[kind], (scene.row_of(node), AXES.index(last))
     if kind in OF_NODES and node:
@@ -127,20 +156,40 @@ def _values(key: str, given: Values, is_random: bool) -> tuple[np.ndarray, bool,
     raise OptionError(f"{key}={given}: values must be {meant}{why}")
 
 
-def _checked(scene: Scene, axis: Axis) -> Axis:
-    """Return an axis, all of whose values a scene may have; raises OptionError."""
+def _check_values(scene: Scene, axis: Axis) -> None:
+    """Raise OptionError where a value is none that a scene may have."""
     last, own = axis.key.rpartition(".")[2], numbers_of(scene)[axis.array][axis.place].reshape(-1)
-    kind = scene.groups[scene.owners[axis.place[0][0]]].kind if last in OF_GROUPS else None
-    rule = rules(scene.law, kind).get(last, ANY_SIZE)
+    if axis.array == "factors":
+        for name, numbers, rule in in_factored(scene, last):
+            _check_made(axis, name, rule, numbers)
+        return
     if axis.is_factor and np.isnan(own).any():
         raise OptionError(f"{axis.key}: the group has no pretension to scale")
+    if axis.key == LOADS and not own.any():
+        raise OptionError(f"{LOADS}: the scene has none to scale; {CASE}.NAME is the factor of a load case")
+    kind = scene.groups[scene.owners[axis.place[0][0]]].kind if last in OF_GROUPS else None
+    _check_made(axis, last, rules(scene.law, kind).get(last, ANY_SIZE), own if axis.is_factor else None)
+
+
+def _check_made(axis: Axis, name: str, rule: Rule, own: np.ndarray | None) -> None:
+    """Raise OptionError where a value, or what it makes of numbers of its own, breaks a rule."""
     with np.errstate(over="ignore", invalid="ignore"):
-        ends = np.array([own.min(), own.max()] if axis.is_factor else [1.0])
+        ends = np.array([1.0] if own is None else [own.min(), own.max()])
         made = axis.values[:, None] * ends
     bad = np.argwhere(~(rule.fits(made) & np.isfinite(made)))[:1].tolist()
     for row, end in bad:
         number = float(made[row, end])
-        got = f"{number:g}" + (f" for the factor {axis.values[row]:g}" if axis.is_factor else "")
+        got = f"{number:g}" + (f" for the factor {axis.values[row]:g}" if own is not None else "")
         fault = rule.fault(number, got) if isfinite(number) else f"must be a finite number, got {got}"
-        raise OptionError(f"{axis.key}: {last} {fault}")
-    return axis
+        raise OptionError(f"{axis.key}: {name} {fault}")
+
+
+def _check_together(scene: Scene, found: Sequence[Axis]) -> None:
+    """Raise OptionError where axes have no meaning together, or one undoes what a column tells of another."""
+    names, numbers = factored_names(scene), numbers_of(scene)
+    check_factored(scene, [names[axis.place[0]] for axis in found if axis.array == "factors"])
+    for a, b in combinations(found, 2):
+        held = [np.zeros_like(numbers[axis.array], dtype=bool) for axis in (a, b)]
+        held[0][a.place] = held[1][b.place] = True
+        if a.array == b.array and not (a.is_factor and b.is_factor) and (held[0] & held[1]).any():
+            raise OptionError(f"{a.key} and {b.key} change the same number; only factors may do so together")

@@ -19,6 +19,7 @@ from cgff_cli.errors import OptionError, SceneError
 from cgff_cli.mechanics.state import Mechanics
 from cgff_cli.pipeline import solve
 from cgff_cli.result import Result
+from cgff_cli.scene.scene import Scene
 from cgff_cli.structure import from_scene
 from cgff_cli.study.alignment import alignment_of, laid_over, largest_move
 from cgff_cli.study.outs import Answers
@@ -40,6 +41,9 @@ one."""
 BETWEEN_ROWS = 1e-13
 """The tolerance between rows: what is left of an equilibrium that has just ended balances to looser ones."""
 
+TO_ROUNDING = 8.0
+"""Rounding errors of a residual that leave the stability of a shape in no doubt."""
+
 LEAST_VALUE = 1e-3
 """Share of all values' span below which one has no six digits of its own, and to which a step is halved from
 a shape that is one of many: nearer to that one what makes the others stable is within rounding."""
@@ -58,11 +62,16 @@ class PathPoint:
 
 
 class PathRow(NamedTuple):
-    """A row, by column; the last point in balance, where the path goes on; where equilibria were lost."""
+    """A row, by column; the last point in balance, where the path goes on; where equilibria were lost.
+
+    not_judged, no_jump: it balances, and has all the same no stability, no jump from the row before
+    """
 
     row: dict[str, Any]
     here: PathPoint | None
     lost: tuple[float, ...]
+    not_judged: bool = False
+    no_jump: bool = False
 
 
 class Path:
@@ -81,7 +90,7 @@ class Path:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the columns, in order."""
-        return (self.axis.key, *HOW_ROWS_ENDED, *OF_PATHS, *self.plan.outs)
+        return (self.axis.column, *HOW_ROWS_ENDED, *OF_PATHS, *self.plan.outs)
 
     def stops(self, first: int = 0) -> Iterator[PathRow]:
         """Yield the rows from a first one on, in the order of the values."""
@@ -92,7 +101,9 @@ class Path:
             if result.converged:
                 here = self._point(value, result)
                 jump, self.here = None if before is None else self.jump(before, here), here
-            yield PathRow(self._row(value, result, jump), self.here, tuple(self.lost))
+            row, is_there = self._row(value, result, jump), result.converged
+            empty = is_there and row["stability"] is None, is_there and before is not None and jump is None
+            yield PathRow(row, self.here, tuple(self.lost), *empty)
 
     def _row(self, value: float, result: Result, jump: float | None) -> dict[str, Any]:
         told = (
@@ -106,16 +117,25 @@ class Path:
         of_one = (result.coordinates[None], result.forces[None], result.structure.rest_lengths[None])
         shapes = Answers(result.structure, *of_one)
         return {
-            self.axis.key: value,
+            self.axis.column: value,
             **dict(zip(HOW_ROWS_ENDED, told, strict=True)),
             **dict(zip(OF_PATHS, (jump, self.lost[0] if self.lost else None), strict=True)),
             **{name: out(shapes)[0].item() for name, out in self.plan.outs.items()},
         }
 
     def _at(self, value: float, start: PathPoint | None, tolerance: float = 1.0) -> Result:
+        """Return the solve at a value, a nearer one where what is left of the forces blurs stability."""
         scene = self.plan.scene_at(np.array([value]), None if start is None else start.shape)
-        options = self.plan.options.to_dict()
-        result = solve(scene, **options | {"tolerance": min(tolerance, options["tolerance"])})
+        tolerance = min(tolerance, self.plan.options.tolerance)
+        found = self._solved(scene, tolerance)
+        if found.converged and found.analysis.get("stability") is None:
+            balance = found.solution.balance
+            nearer = self._solved(scene, min(TO_ROUNDING * balance.floor / balance.reference, tolerance))
+            return nearer if nearer.converged else found
+        return found
+
+    def _solved(self, scene: Scene, tolerance: float) -> Result:
+        result = solve(scene, **self.plan.options.to_dict() | {"tolerance": tolerance})
         if result.interrupted:
             raise KeyboardInterrupt
         return result

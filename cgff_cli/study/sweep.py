@@ -20,6 +20,7 @@ from cgff_cli.scene.scene import Scene
 from cgff_cli.solvers.many.loop import Solutions
 from cgff_cli.structure import from_scene, refuse_geometry
 from cgff_cli.study.axes import Axis, Values, axes, numbers_of
+from cgff_cli.study.load_factors import with_factors
 from cgff_cli.study.outs import Answers, Out, outs
 from cgff_cli.values import Rule
 
@@ -49,11 +50,15 @@ class Span(NamedTuple):
 
 
 class SolvedRows(NamedTuple):
-    """What became of a chunk: columns by name, (rows,) each; how many rows did not converge, or were bad."""
+    """What became of a chunk: columns by name, (rows,) each; how many rows did not converge, or were bad.
+
+    not_judged: balance, but are so far from it that nothing is told of their stability, where that is asked
+    """
 
     columns: dict[str, list[Any]]
     not_converged: int
     bad: int
+    not_judged: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +75,7 @@ class Sweep:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the columns, in order."""
-        return (*(axis.key for axis in self.axes), *HOW_ROWS_ENDED, *self.outs)
+        return (*(axis.column for axis in self.axes), *HOW_ROWS_ENDED, *self.outs)
 
     @property
     def at_once(self) -> int:
@@ -123,6 +128,9 @@ class Sweep:
             factors = column.reshape(-1, *(1,) * numbers[axis.place].ndim)
             at = (slice(None), *axis.place)
             array[at] = array[at] * factors if axis.is_factor else factors
+        if "factors" in found:
+            loads, weights = (found.get(name, own[name][None]) for name in ("loads", "weights"))
+            found |= with_factors(self.scene, found.pop("factors"), loads, weights)
         if "pretension" in found:
             t, EA = found.pop("pretension"), found.get("EA", own["EA"])
             rest = found.setdefault("rest_lengths", np.tile(own["rest_lengths"], (len(values), 1)))
@@ -156,7 +164,7 @@ class Sweep:
         arrays, structure = self.arrays(values), from_scene(self.scene)
         good = self.may_be(arrays, len(values))
         arrays = {name: array[good] for name, array in arrays.items()}
-        swept = {axis.key: column.tolist() for axis, column in zip(self.axes, values.T, strict=True)}
+        swept = {axis.column: column.tolist() for axis, column in zip(self.axes, values.T, strict=True)}
         answers = solve_many(self.scene, **arrays, **self.options.to_dict())
         rest = np.broadcast_to(arrays.get("rest_lengths", structure.rest_lengths), answers.forces.shape)
         told = self.told(answers, Answers(structure, answers.coordinates, answers.forces, rest))
@@ -165,7 +173,9 @@ class Sweep:
             told["verdict"] = np.where(good, told["verdict"], BAD_SCENE)
             told["converged"] = np.where(good, told["converged"], False)
         columns = swept | {name: column.tolist() for name, column in told.items()}
-        return SolvedRows(columns, int((~answers.converged).sum()), int((~good).sum()))
+        asked = self.options.analysis != "never"
+        unsaid = asked and answers.converged & [word is None for word in answers.stability]
+        return SolvedRows(columns, *(int(np.sum(rows)) for rows in (~answers.converged, ~good, unsaid)))
 
     def may_be(self, arrays: dict[str, np.ndarray], count: int) -> np.ndarray:
         """Return (m,) bool: rows whose pretensions have rest lengths, and whose loads can be held."""

@@ -15,6 +15,7 @@ from tests.shapes import aligned
 from tests.solvers.scenes import shipped, truss
 
 STEP = 1e-4
+ONE = " (one element is written A,B, by its nodes)"
 
 
 def by_differences(body, of, at):
@@ -143,10 +144,16 @@ def test_there_is_none_without_an_equilibrium():
 @pytest.mark.parametrize(
     ("of", "message"),
     [
-        ("strut", "no group is named 'strut'; did you mean 'struts'?"),
+        (
+            "strut",
+            f"no group is named 'strut'{ONE}; did you mean 'struts'?",
+        ),
         ("n1,n77", "no node is named 'n77'"),
         ("n1,n5", "no element joins 'n1' and 'n5'"),
-        ("", "no group is named ''; there are triangles, verticals, struts"),
+        (
+            "",
+            f"no group is named ''{ONE}; there are triangles, verticals, struts",
+        ),
     ],
 )
 def test_what_is_no_element_is_refused(of, message):

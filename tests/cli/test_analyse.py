@@ -117,7 +117,8 @@ def test_sensitivities_are_by_name_and_in_the_order_of_elements(run: Run, solved
 def test_an_unknown_group_is_wrong_usage(run: Run, solved: str):
     ended = run("analyse", solved, "--sensitivity", "strut")
     assert (ended.exit_code, ended.stdout) == (2, "")
-    assert ended.stderr == "cgff: no group is named 'strut'; did you mean 'struts'?\n"
+    one = "(one element is written A,B, by its nodes)"
+    assert ended.stderr == f"cgff: no group is named 'strut' {one}; did you mean 'struts'?\n"
 
 
 def test_the_page_begins_with_the_verdict_in_words(run: Run, solved: str):

@@ -9,9 +9,10 @@ import pytest
 
 import cgff_cli
 from cgff_cli.report import plots
-from cgff_cli.report.curves import history_of
+from cgff_cli.report.curves import draw_sweep, history_of, read_rows
 from cgff_cli.report.drawing import results_of
 from tests.cli.conftest import Run
+from tests.study.test_path import SNAPS, TRUSS
 
 SLACK = """\
 law: hooke
@@ -129,6 +130,24 @@ def test_modes_histories_cases_and_sweeps_have_pictures(run: Run):
     flags = ("--set", "struts.EA=10,100,1000", "--set", "verticals.EA=10,100", "--out", "slack")
     run("sweep", "prism.yaml", *flags, "-o", "rows.csv")
     assert run("plot", "--sweep", "rows.csv", "-o", "rows.png").exit_code == 0
+
+
+def test_the_curve_of_a_path_ends_where_it_fell_and_a_line_tells_where(run: Run):
+    from matplotlib.figure import Figure
+
+    Path("truss.yaml").write_text(TRUSS)
+    run("sweep", "truss.yaml", "--set", "loads.b.y=0:-6:4", "--follow", "--out", "node:b", "-o", "rows.csv")
+    swept, found, rows = read_rows("rows.csv")
+    axes = Figure().subplots(len(found), 1)
+    draw_sweep(swept, found, rows, axes)
+    for name, own in zip(found, axes, strict=True):
+        curve, fall = own.lines
+        x, y = (np.asarray(numbers, dtype=float) for numbers in curve.get_data())
+        assert x.tolist() == pytest.approx([0.0, -2.0, np.nan, -4.0, -6.0], nan_ok=True)
+        assert y[[0, 1, 3, 4]].tolist() == [float(row[name]) for row in rows]
+        assert np.isnan(y[2])
+        assert fall.get_xdata() == pytest.approx([SNAPS] * 2, rel=1e-7)
+    assert run("plot", "--sweep", "rows.csv", "-o", "rows.svg").exit_code == 0
 
 
 @pytest.mark.parametrize(

@@ -37,8 +37,8 @@ def test_columns_are_the_keys_then_how_it_ended_then_what_is_asked_for(run: Run)
     rows = list(csv.DictReader(ended.stdout.splitlines()))
     assert (ended.exit_code, ended.stderr, len(rows)) == (0, "", 6)
     more = ("force:struts.min", "force:struts.max", "node:n1.x", "node:n1.y", "node:n1.z", "slack")
-    assert tuple(rows[0]) == ("struts.EA", "verticals.rest_length", *COLUMNS, *more)
-    assert [float(row["verticals.rest_length"]) for row in rows] == [0.8, 0.9, 1.0] * 2
+    assert tuple(rows[0]) == ("struts.EA", "verticals.rest_length.scale", *COLUMNS, *more)
+    assert [float(row["verticals.rest_length.scale"]) for row in rows] == [0.8, 0.9, 1.0] * 2
     assert {(row["converged"], row["slack"]) for row in rows} == {("true", "0")}
 
 
@@ -46,6 +46,7 @@ def test_lines_of_json_hold_the_same_numbers(run: Run):
     assert run(*SMALL, "-o", "rows.jsonl").exit_code == 0
     lines = list(map(json.loads, Path("rows.jsonl").read_text().splitlines()))
     rows = list(csv.DictReader(run(*SMALL, "--no-header").stdout.splitlines(), fieldnames=tuple(lines[0])))
+    assert [row["verticals.rest_length.scale"] for row in lines] == [0.8, 0.9, 1.0] * 2
     assert [row["energy"] for row in lines] == [float(row["energy"]) for row in rows]
 
 
@@ -217,6 +218,26 @@ def test_a_path_tells_where_an_equilibrium_is_lost_and_goes_on_where_it_was_kill
         os.unlink("rows.csv")
         assert run(*flags, "-o", "rows.csv", "--resume").exit_code == 0
         assert Path("rows.csv").read_bytes() == expected
+
+
+def test_rows_of_a_path_without_a_jump_are_counted_with_the_reason(run: Run):
+    ended = run("sweep", "prism.yaml", "--set", "struts.rest_length=8:5:7", "--follow", "-o", "rows.csv")
+    told = (
+        "cgff: prism.yaml: 3 rows without jump: the shape before is not stable, "
+        "so that none is predicted from it\n"
+    )
+    assert (ended.exit_code, ended.stderr) == (0, told)
+    assert json.loads(Path("rows.csv.sweep.json").read_text())["no_jump"] == 3
+
+
+def test_rows_without_stability_are_counted_where_it_was_asked_for(run: Run, monkeypatch: pytest.MonkeyPatch):
+    flags = ("sweep", "bracket.yaml", "--set", "tie.EA=1000,1100")
+    assert run(*flags, "--analysis", "never").stderr == ""
+    monkeypatch.setattr("cgff_cli.many._suits", lambda structure, options: False)  # as large ones are solved
+    monkeypatch.setattr("cgff_cli.many.stability_of", lambda solution, options: {"stability": None})
+    told = "2 rows without stability: forces left over blur its sign; a smaller --tolerance may tell"
+    assert run(*flags).stderr == f"cgff: bracket.yaml: {told}\n"
+    assert run(*flags, "--analysis", "never").stderr == ""
 
 
 def test_a_path_on_a_full_disk_goes_on_from_the_last_row_that_is_there(tmp_path: Path):

@@ -1,6 +1,7 @@
 """A path: what is lost, what only branches off, what is the same as separate solves; against closed forms."""
 
 import json
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -180,6 +181,16 @@ def test_cables_that_go_slack_are_one_of_many_shapes_and_not_lost():
     assert [row["stability"] for row in rows] == ["stable"] * 3 + ["neutral"] * 4
     assert [row["lost"] for row in rows] == [None] * 7
     assert [row["jump"] for row in rows[-3:]] == [None] * 3
+
+
+def test_what_is_left_of_the_forces_leaves_no_row_without_stability():
+    tower = cgff_cli.new("tower", sides=3, stages=2)
+    tower = replace(tower, supports=dict.fromkeys(range(3), "xyz"))
+    asked = {"set": {"n1_1,n2_1.rest_length": "1.2:0.6:2"}, "tolerance": 1e-6}
+    rows, apart = list(sweep(tower, follow=True, **asked)), list(sweep(tower, **asked))
+    assert [row["stability"] for row in rows] == ["stable", "neutral"]
+    assert [row["stability"] for row in apart] == ["stable", "neutral"]
+    assert [row["energy"] for row in rows] == pytest.approx([row["energy"] for row in apart], rel=1e-6)
 
 
 def test_a_row_that_does_not_converge_says_so_and_the_path_goes_on_from_the_last_that_did():

@@ -10,6 +10,7 @@ import pytest
 
 import cgff_cli
 from cgff_cli.scene.scene import Scene
+from cgff_cli.structure import from_scene
 from cgff_cli.study.axes import KEYS
 from cgff_cli.study.rows import sweep
 from cgff_cli.study.sweep import BAD_SCENE, Sweep, planned
@@ -24,6 +25,7 @@ elements:
 supports: {a: xy, c.d: xy}
 loads: {b: [0, -1]}
 """
+ONE = " (one element is written A,B, by its nodes)"
 ALL = ("force:left", "length:a,b", "node:b", "slack", "max_strain", "height")
 
 
@@ -89,11 +91,12 @@ def test_a_loaded_pair_of_cables_hangs_as_statics_says(pair: Scene):
 def test_every_row_is_the_solve_of_the_changed_scene(
     prism: Scene, asked: dict[str, object], change: Callable[..., dict[str, np.ndarray]]
 ):
-    ((key, _),) = next(iter(asked.values())).items()
+    factors = {f"{key}.scale" for key in asked.get("scale", {})}
+    (name,) = factors or asked["set"]
     words = ("force:struts", "length:n1,n4", "slack", "max_strain")
     for row in sweep(prism, out=words, **asked):
         groups = [
-            replace(own, **change(own, row[key])) if own.name == "struts" else own for own in prism.groups
+            replace(own, **change(own, row[name])) if own.name == "struts" else own for own in prism.groups
         ]
         alone = cgff_cli.solve(replace(prism, groups=tuple(groups)))
         assert row["stability"] == alone.analysis["stability"]
@@ -106,6 +109,30 @@ def test_every_row_is_the_solve_of_the_changed_scene(
         assert row["length:n1,n4"] == pytest.approx(
             np.linalg.norm(alone.coordinates[0] - alone.coordinates[3])
         )
+
+
+@pytest.mark.parametrize(
+    ("asked", "EA"),
+    [
+        ({"set": {"b,c.d.EA": "40"}}, [10.0, 40.0]),
+        ({"set": {"left.EA": "20", "c.d,b.EA": "40"}}, [20.0, 40.0]),
+        ({"scale": {"a,b.EA": "3", "left.EA": "2"}}, [60.0, 10.0]),
+    ],
+)
+def test_one_element_is_named_by_its_nodes(pair: Scene, asked: dict[str, dict[str, str]], EA: list[float]):
+    (row,) = sweep(pair, out=["node:b"], **asked)
+    alone = cgff_cli.solve(pair.with_axial_stiffness(np.array(EA)))
+    assert [row["node:b.x"], row["node:b.y"]] == pytest.approx(alone.nodes["b"], rel=1e-7)
+
+
+def test_one_cable_of_a_group_is_an_actuator(prism: Scene):
+    rest = from_scene(prism).rest_lengths.copy()
+    rest[0] = 2.5  # the first of the triangles, n1-n2
+    alone = cgff_cli.solve(prism.with_rest_lengths(rest))
+    for follow in (False, True):
+        (row,) = sweep(prism, set={"n1,n2.rest_length": "2.5"}, out=["force:triangles"], follow=follow)
+        assert row["energy"] == pytest.approx(alone.energy, rel=1e-9)
+        assert row["force:triangles.max"] == pytest.approx(alone.groups["triangles"]["force"][1], rel=1e-8)
 
 
 def test_a_start_and_a_support_are_moved_where_a_coordinate_is_swept(pair: Scene):
@@ -159,7 +186,12 @@ def test_elements_without_rest_length_have_no_strain_to_tell():
     ("asked", "message"),
     [
         ({}, f"nothing is swept; give {KEYS} some values"),
-        ({"set": {"lift.EA": "1"}}, "no group is named 'lift'; did you mean 'left'?"),
+        ({"set": {"lift.EA": "1"}}, f"no group is named 'lift'{ONE}; did you mean 'left'?"),
+        ({"set": {"a,c.d.EA": "1"}}, "no element joins 'a' and 'c.d'"),
+        (
+            {"set": {"left.EA": "1", "b,a.EA": "1"}},
+            "left.EA and b,a.EA change the same number; only factors may do so together",
+        ),
         ({"set": {"loads.B.y": "1"}}, "no node is named 'B'; did you mean 'b'?"),
         ({"set": {"loads.b.z": "1"}}, "loads.b.z: an axis of this scene is one of x, y"),
         (
