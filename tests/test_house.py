@@ -14,8 +14,8 @@ MOST_LINES_OF_A_FUNCTION = 50
 BUDGET = {
     "top": 1888,
     "analysis": 2363,
-    "cli": 3037,
-    "formats": 1475,
+    "cli": 3038,
+    "formats": 1529,
     "mechanics": 966,
     "report": 2618,
     "rivals": 1126,

@@ -37,8 +37,8 @@ _EA = Checked("X", partial(Rule(positive=True).checked, "EA"), float)
 _KIND = Checked("KIND", lambda text: text.rpartition("=")[::2])  # group, or "" of all others; kind
 _unsaid = flags(
     _ask("--nodes", metavar="FILE", type=click.Path(), help="Beside a CSV of edges: that of its nodes."),
-    _ask("--law", type=click.Choice(["paper", "hooke"]), help="What EA means. For OBJ and CSV."),
-    _ask("--EA", "EA", metavar="X", type=_EA, help="EA of cables, and of struts too. For OBJ and CSV."),
+    _ask("--law", type=click.Choice(["paper", "hooke"]), help="What EA means. For OBJ, CSV, results."),
+    _ask("--EA", "EA", metavar="X", type=_EA, help="EA of cables, and of struts too. For OBJ, CSV, results."),
     _ask("--strut-EA", "strut_EA", metavar="X", type=_EA, help="EA of struts; NTRT's are rigid."),
     _ask("--kind", metavar="[GROUP=]KIND", multiple=True, type=_KIND, help="cable or strut; OBJ and CSV."),
 )
@@ -55,7 +55,8 @@ def command(file: str, output: str, source: str | None, target: str | None, **va
     """Turn files of other programs into scenes, and back.
 
     FILE is NASA NTRT or BYU TensegritySim YAML, OBJ lines, a CSV of edges, a scene, or a result of `solve`.
-    What was assumed stands in the scene as comments; what is left out is said on standard error.
+    What was assumed stands in the scene as comments; what is left out is said on standard error. With --law
+    or --EA a result's elements are made anew, with its forces as their pretension.
     """
     from cgff_cli.formats.convert import convert
 

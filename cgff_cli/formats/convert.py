@@ -25,8 +25,14 @@ READABLE = ("scene", "ntrt", "byu", "obj", "csv")
 WRITABLE = ("scene", "obj", "vtu", "dxf")
 STIFFNESS = Rule(positive=True, smallest=LEAST_SIZE, largest=HUGE)
 
-_CALLED = FOREIGN | {"obj": "an OBJ file", "csv": "a list of edges", "scene": "a scene or a result"}
+_CALLED = FOREIGN | {
+    "obj": "an OBJ file",
+    "csv": "a list of edges",
+    "scene": "a scene or a result",
+    "result": "a result",
+}
 _ASKS = {
+    "result": ("law", "EA", "strut_EA"),
     "ntrt": ("strut_EA",),
     "obj": ("law", "EA", "strut_EA", "kind"),
     "csv": ("law", "EA", "strut_EA", "kind", "nodes"),
@@ -36,6 +42,7 @@ _NOT_KEPT = {
     "vtu": ("VTU holds points, lines and numbers", ("names of nodes", "names of groups", "the law")),
     "dxf": ("DXF holds lines and layers", ("names of nodes", "EA")),
 }
+REFITTED = "law and EA are those given to cgff convert; pretensions are the forces of the result"
 _MAYBE = re.compile("|".join(key for keys in FOREIGN_KEYS.values() for key in keys))
 
 
@@ -103,7 +110,8 @@ def convert(
 
     source       : one of READABLE, by suffix and content where None
     nodes        : beside a CSV of edges the CSV of its nodes
-    law, EA, ... : what the format does not say; EA in the units of the law, kind for all groups or for each
+    law, EA, ... : what the format does not say; EA in the units of the law, kind for all groups or for each.
+                   Of a result they stand in place of its own, and its forces become pretensions
 
     Raises SceneError with every fault of the file, OptionError for what it needs, or has no place for.
     """
@@ -111,12 +119,18 @@ def convert(
     text, shown = _read(path)
     form = source or _form(text, shown)
     asked = {"law": law, "EA": EA, "strut_EA": strut_EA, "nodes": nodes, "kind": kinds or None}
-    _check(form, {name: value for name, value in asked.items() if value is not None}, kinds)
+    asked = {name: value for name, value in asked.items() if value is not None}
+    began = _began(text) if form == "scene" else None
+    _check(form if began is None else "result", asked, kinds)
+    given = Asked(law, EA, strut_EA, kinds, nodes)
     if form == "scene":
         scene = loads(text, shown, os.path.dirname(path), results=True)
         scene = replace(scene, files=(shown, *scene.files))
-        return Converted(scene, form, began=_began(text))
-    given = Asked(law, EA, strut_EA, kinds, nodes)
+        if not asked:
+            return Converted(scene, form, began=began)
+        from cgff_cli.formats.refit import refitted
+
+        return Converted(refitted(scene, given), form, (REFITTED,), began=began)
     draft = _readers()[form](text, shown, given)
     scene = draft.scene()
     return Converted(scene, form, tuple(draft.assumed), tuple(draft.lost))
@@ -145,7 +159,7 @@ def _form(text: str, path: str) -> str:
 
 def _check(form: str, given: Mapping[str, object], kinds: Mapping[str, str]) -> None:
     """Raise OptionError for values that are none, or that a format has no place for."""
-    if form not in READABLE:
+    if form not in (*READABLE, "result"):
         raise OptionError(f"unknown format {form!r}; there are {', '.join(READABLE)}")
     for name, value in given.items():
         flag = f"--{name.replace('_', '-')}"
