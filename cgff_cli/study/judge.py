@@ -147,7 +147,7 @@ def _verdict(solution: Solution, end: End, time_limit: float, shape_error: float
     if ended == "time_limit":
         return ended, f"no equilibrium yet: stopped after {time_limit:g} s with {left}"
     if ended == "max_iterations" and not message:
-        return ended, f"no equilibrium yet: evaluation limit reached with {left}"
+        return ended, f"no equilibrium yet: limit of iterations or evaluations reached with {left}"
     if not ended or ended in CONVERGED:
         return "gave_up", f"no equilibrium: it ended by itself with {left}; {message}".rstrip("; ")
     return ended, message or f"no equilibrium: {left}"
