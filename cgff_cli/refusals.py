@@ -34,7 +34,8 @@ def refusal(scene: Scene, answer: Answer, asked: Mapping[str, Any]) -> str:
         "force": _force(answer, asked),
         "inexact": _inexact(answer, asked),
         "weight": "rest lengths decide the weight, and none were found whose own this shape bears: it is not "
-        "proven that there are none; a shape that `cgff solve` finds with it, no cable slack, has some",
+        "proven that there are none; a shape that `cgff solve` finds with it, no cable slack and no strut in "
+        "tension, has some",
         "blurred": "rounding decides: some rest lengths are so near the lengths that double precision does "
         "not hold these forces; raise the force, or lower EA",
         "undecided": _undecided(asked["tolerance"] > LEAST_TOLERANCE),
@@ -156,7 +157,8 @@ def _inexact(answer: Answer, asked: Mapping[str, Any]) -> str:
         )
     return (
         f"these coordinates balance a self-stress only to {answer.left_over:.1e} of its forces: they were "
-        "rounded; a tolerance of 1e-8 moves them to where it balances"
+        "rounded, or solved for no further; `cgff solve --tolerance 1e-14` finds them to rounding, or a "
+        "tolerance of 1e-8 moves them to where it balances"
     )
 
 

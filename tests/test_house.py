@@ -12,8 +12,8 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 1888,
-    "analysis": 2363,
+    "top": 1890,
+    "analysis": 2417,
     "cli": 3038,
     "formats": 1529,
     "mechanics": 966,

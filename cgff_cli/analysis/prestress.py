@@ -29,9 +29,6 @@ SAME_FORCE = 1e-5
 LEAST_STRAIN = 4.0 * EPS
 """Strain below which a rest length, as a double, does not tell the force it is for."""
 
-IN_BALANCE = 3e-11
-"""What may be left of forces out of balance, relative to all forces."""
-
 
 @dataclass(frozen=True, eq=False)
 class Question:
@@ -133,18 +130,28 @@ def prestressed(question: Question) -> Answer:
     signs = np.zeros(len(balance.size))
     signs[balance.classes] = np.where(structure.tension_only, 1.0, -1.0)
     x = _best(question, answer, balance, signs) if balance.states != 0 or balance.is_loaded else None
-    if x is None or not _is_signed(balance, x, signs):
-        if not answer.why:
-            _blame(answer, balance, signs)
+    if answer.why == "force" and tolerance == LEAST_TOLERANCE:
+        _check_force(question, answer, balance)
+    elif not answer.why and (x is None or not _is_signed(balance, x, signs)):
+        _blame(answer, balance, signs)
+    if answer.why or x is None:
         return answer
     if tolerance > LEAST_TOLERANCE:
         balance, x = near_shape(balance, x)
     answer.left_over = balance.left_over(x)
-    if answer.left_over <= IN_BALANCE and _is_signed(balance, x, signs):
+    if balance.is_met(x) and _is_signed(balance, x, signs):
         _realise(question, answer, balance, x)
     else:
         answer.why = "inexact"
     return answer
+
+
+def _check_force(question: Question, answer: Answer, balance: SelfStress) -> None:
+    """Withdraw that a force cannot be where what is left over of the loads may be all that forbids it."""
+    x = balance.nearest(np.zeros(len(balance.size)), balance.F)
+    short = abs((answer.force_reached or 0.0) - question.force) / balance.state.mechanics.frame.force
+    if not balance.is_met(x) or short <= largest(balance.forces(balance.doubt(x))[question.members]):
+        answer.why, answer.left_over = "inexact", balance.left_over(x)
 
 
 def _best(question: Question, answer: Answer, balance: SelfStress, signs: np.ndarray) -> np.ndarray | None:

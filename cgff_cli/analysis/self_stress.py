@@ -13,8 +13,13 @@ import numpy as np
 from cgff_cli.analysis.nulls import DENSE, SQUARED, rank, shifted_factor
 from cgff_cli.analysis.ranks import unit_equilibrium_matrix
 from cgff_cli.mechanics.elements import EPS
-from cgff_cli.mechanics.norms import norm
+from cgff_cli.mechanics.norms import largest, norm
 from cgff_cli.mechanics.state import State
+from cgff_cli.options import DEFAULTS
+
+IN_BALANCE = 3e-11
+"""What may be left of forces out of balance, relative to all forces, even of those that are out of balance by
+more than the tolerance of a solve."""
 
 MOST_ENTRIES = 10_000_000
 """Entries up to which a matrix is decomposed whole: seconds (tests/studies/prestress.py)."""
@@ -123,6 +128,13 @@ class SelfStress:
             x = x - self.A.T @ self._normal.solve(self.A @ x - F)
         return x
 
+    def doubt(self, x: np.ndarray) -> np.ndarray:
+        """Return (m,) what A x - F may hide in x, were as much wrong with what A can balance; 0 if sparse."""
+        if not self.is_dense:
+            return np.zeros(len(self.size))
+        values, right = (own[: self.rank] for own in self.parts[1:])
+        return norm(self.A @ x - self.F) * np.linalg.norm(right / values[:, None], axis=0)
+
     @cached_property
     def _normal(self) -> Any:
         return shifted_factor(self.A @ self.A.T, SQUARED)
@@ -146,6 +158,12 @@ class SelfStress:
     def left_over(self, x: np.ndarray) -> float:
         """Return how far A x is from F, relative to x and F."""
         return norm(self.A @ x - self.F) / max(norm(x), norm(self.F), EPS)
+
+    def is_met(self, x: np.ndarray) -> bool:
+        """Return whether A x = F as well as a solve would have it by default, or to IN_BALANCE."""
+        most = max(largest(self.forces(x)), self.state.mechanics.largest_load, EPS)
+        is_solved = largest(self.A @ x - self.F) <= DEFAULTS.tolerance * most
+        return is_solved or self.left_over(x) <= IN_BALANCE
 
 
 ADDED_UP = 8.0
