@@ -13,7 +13,7 @@ MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
     "top": 1890,
-    "analysis": 2417,
+    "analysis": 2416,
     "cli": 3038,
     "formats": 1529,
     "mechanics": 966,

@@ -245,7 +245,6 @@ def _blame(answer: Answer, balance: SelfStress, signs: np.ndarray) -> None:
     if not found.proven:
         return
     answer.never, answer.idle = found.never[balance.classes], balance.idle()[balance.classes]
-    free = answer.structure.free
-    motion = np.zeros(free.T.size)
-    motion[free.T.reshape(-1)] = found.motion
-    answer.motion = motion.reshape(free.T.shape).T + 0.0  # no zero has a sign
+    motion = np.zeros_like(answer.structure.free.T, dtype=float)
+    motion[answer.structure.free.T] = found.motion
+    answer.motion = motion.T + 0.0  # no zero has a sign
