@@ -167,6 +167,11 @@ def second_looks(answer: Answer, result: Result) -> tuple[str, ...]:
     stability, reasons = result.analysis["stability"], result.analysis["reason"]
     said = [] if result.converged else [f"the forces balance only to {result.residual['relative']:.1e}"]
     said += [f"{name}: {reasons[name]}" for name in ("stability", "super_stable") if name in reasons]
+    if answer.is_given:
+        said.append(
+            "the rest lengths are the scene's own, which hold this shape: whether others do, and are better "
+            "balanced, rounding hides"
+        )
     if answer.strain_needed is not None:
         members = "cables" if answer.structure.tension_only.any() else "struts"
         said.append(

@@ -17,6 +17,7 @@ from cgff_cli.as_given import unmoved
 from cgff_cli.errors import OptionError, Problem, SceneError
 from cgff_cli.hints import meant_or_all
 from cgff_cli.options import DEFAULTS
+from cgff_cli.own_lengths import or_its_own
 from cgff_cli.refusals import UNSURE, refusal, second_looks
 from cgff_cli.result import Result
 from cgff_cli.scene.scene import Scene
@@ -83,12 +84,12 @@ def prestress(
 ) -> Prestressed:
     """Return rest lengths that hold a scene, or the scene file at a path, at its own coordinates.
 
-    Its rest lengths, if it has any, are ignored; supports, loads and weight hold. by_group, by_symmetry:
-    members of a group, or that a symmetry exchanges, share a force density; equal="force": a force.
-    force: {group: its greatest force}; default: cables strained by 1 %. tolerance: singular values up to
-    it count as states, and the shape gives way to make one of them exact. Raises SceneError for a bad
-    file, OptionError for a bad option; where nothing holds the shape, `feasible` is not True and `reason`
-    says why.
+    Its rest lengths, if it has any, are taken only where rounding hides others; supports, loads and
+    weight hold. by_group, by_symmetry: members of a group, or that a symmetry exchanges, share a force
+    density; equal="force": a force. force: {group: its greatest force}; default: cables strained by 1 %.
+    tolerance: singular values up to it count as states, and the shape gives way to make one of them
+    exact. Raises SceneError for a bad file, OptionError for a bad option; where nothing holds the shape,
+    `feasible` is not True and `reason` says why.
     """
     if not isinstance(scene, Scene):
         from cgff_cli.scene.read import load
@@ -112,7 +113,7 @@ def prestress(
         answer = heavy(
             question, lambda l0: loads_of(scene) + weight_at_nodes(structure, weights * l0, down), answer
         )
-    return _told(scene, asked, answer)
+    return _told(scene, asked, or_its_own(scene, asked, answer))
 
 
 def _told(source: Scene, asked: dict[str, Any], answer: Answer) -> Prestressed:

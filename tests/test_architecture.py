@@ -24,6 +24,7 @@ ROOMS = (
     "many",
     "as_given",
     "refusals",
+    "own_lengths",
     "rest_lengths",
     "rivals",
     "study",

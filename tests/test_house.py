@@ -12,9 +12,9 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 1890,
+    "top": 1935,
     "analysis": 2416,
-    "cli": 3038,
+    "cli": 3039,
     "formats": 1529,
     "mechanics": 966,
     "report": 2618,

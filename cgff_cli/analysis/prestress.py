@@ -84,8 +84,8 @@ class Answer:
     never, idle   : bool      motion : (n, d), what proves who is to blame, or None
     forces, force_densities, rest_lengths      coordinates : (n, d) the shape that they hold
     strain_needed : cable strain that the loads alone need, where that is above STRAIN
-    force_reached : greatest force that could be, where another was asked for
-    left_over     : what is left of the forces of the best state, relative to all
+    force_reached : greatest force that could be        left_over : of the best state's forces, relative
+    is_given      : rest lengths are those that the scene came with
     """
 
     structure: Structure
@@ -105,6 +105,7 @@ class Answer:
     strain_needed: float | None = None
     force_reached: float | None = None
     left_over: float = 0.0
+    is_given: bool = False
 
 
 def prestressed(question: Question) -> Answer:
@@ -217,9 +218,8 @@ def _realise(question: Question, answer: Answer, balance: SelfStress, x: np.ndar
     """Set the forces of x, to the level asked for, and what follows from them."""
     state, frame = balance.state, balance.state.mechanics.frame
     if question.tolerance > LEAST_TOLERANCE:
-        X = frame.centre + state.mechanics.shape(state.X)
-        there = replace(question.structure, coordinates=X, rest_lengths=state.l * frame.length)
-        question = replace(question, structure=there)
+        X, l = frame.centre + state.mechanics.shape(state.X), state.l * frame.length
+        question = replace(question, structure=replace(question.structure, coordinates=X, rest_lengths=l))
     s, t = question.structure, balance.forces(x) * frame.force
     if not balance.is_loaded:
         t = t * float((question.limits / np.abs(t)).min())

@@ -90,8 +90,9 @@ _question = flags(
 def command(ctx: click.Context, scene: str, **values: Any) -> None:
     """Find rest lengths that hold a geometry at its own coordinates.
 
-    SCENE needs no rest lengths; where it has some they are ignored. Supports and loads hold. Where no
-    self-stress has the right signs nothing is written, the exit code is 5, and the reason is told.
+    SCENE needs no rest lengths; where it has some they are taken only where rounding hides others.
+    Supports and loads hold. Where no self-stress has the right signs nothing is written, the exit code is
+    5, and the reason is told.
     """
     from cgff_cli.rest_lengths import prestress
     from cgff_cli.scene.read import load

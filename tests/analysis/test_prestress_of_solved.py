@@ -1,5 +1,6 @@
 """Prestress of shapes that a solve came to: what balances as a solve means it by default is held."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -23,6 +24,7 @@ NETS = {
     "weight": {"side": 8, "weight": 0.01},
     "weight, larger": {"side": 12, "weight": 0.01},
     "snow": {"side": 12, "snow": 0.2},
+    "light ropes": {"side": 7, "weight": 1e-4},
 }
 
 
@@ -44,6 +46,20 @@ def test_a_shape_that_a_solve_came_to_is_held(name: str, tolerance: float):
     again = cgff_cli.solve(found.scene)
     assert (again.verdict, again.counts["iterations"]) == ("converged", 0)
     assert again.forces == pytest.approx(found.forces, rel=1e-6)
+
+
+def test_where_rounding_hides_the_answer_it_is_the_rest_lengths_that_hold_the_shape_with_a_word():
+    scene = solved("light ropes")
+    found = cgff_cli.prestress(scene)
+    assert found.rest_lengths == pytest.approx(np.concatenate([group.rest_length for group in scene.groups]))
+    assert any(said.startswith("the rest lengths are the scene's own") for said in found.warnings)
+    lengths = np.concatenate([0.9 * group.rest_length for group in scene.groups])
+    for other in (scene.with_rest_lengths(lengths), replace(scene, groups=without_rest_lengths(scene))):
+        assert cgff_cli.prestress(other).feasible is None
+
+
+def without_rest_lengths(scene: Scene):
+    return tuple(replace(group, rest_length=np.full(len(group.EA), np.nan)) for group in scene.groups)
 
 
 def test_what_one_answer_holds_no_other_denies():
