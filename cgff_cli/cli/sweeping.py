@@ -175,7 +175,7 @@ def _walked(path: "Path", form: str, sink: "Sink", name: str) -> "Iterator[Done]
         path.here = PathPoint(last["value"], np.array(last["shape"]), last["stability"])
     for stop in path.stops(sink.counts["rows_done"]):
         for value in stop.lost:
-            say(f"cgff: {name}: an equilibrium is lost at {path.axis.column} = {value:.9g}")
+            say(f"cgff: {name}: an equilibrium is lost at {path.axis.key} = {value:.9g}")
         here = stop.here
         kept = None if here is None else {"here": {**vars(here), "shape": here.shape.tolist()}}
         row = as_text(form, {column: [value] for column, value in stop.row.items()})

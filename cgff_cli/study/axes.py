@@ -55,11 +55,6 @@ class Axis(NamedTuple):
     is_log: bool = False
     is_factor: bool = False
 
-    @property
-    def column(self) -> str:
-        """Name of its column: the key, and what tells factors from the numbers themselves."""
-        return f"{self.key}.scale" if self.is_factor else self.key
-
     def at(self, shares: np.ndarray) -> np.ndarray:
         """Return random values, (m,), for uniform shares of [0, 1)."""
         if not self.is_range:

@@ -90,7 +90,7 @@ class Path:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the columns, in order."""
-        return (self.axis.column, *HOW_ROWS_ENDED, *OF_PATHS, *self.plan.outs)
+        return (self.axis.key, *HOW_ROWS_ENDED, *OF_PATHS, *self.plan.outs)
 
     def stops(self, first: int = 0) -> Iterator[PathRow]:
         """Yield the rows from a first one on, in the order of the values."""
@@ -117,7 +117,7 @@ class Path:
         of_one = (result.coordinates[None], result.forces[None], result.structure.rest_lengths[None])
         shapes = Answers(result.structure, *of_one)
         return {
-            self.axis.column: value,
+            self.axis.key: value,
             **dict(zip(HOW_ROWS_ENDED, told, strict=True)),
             **dict(zip(OF_PATHS, (jump, self.lost[0] if self.lost else None), strict=True)),
             **{name: out(shapes)[0].item() for name, out in self.plan.outs.items()},

@@ -75,7 +75,7 @@ class Sweep:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the columns, in order."""
-        return (*(axis.column for axis in self.axes), *HOW_ROWS_ENDED, *self.outs)
+        return (*(axis.key for axis in self.axes), *HOW_ROWS_ENDED, *self.outs)
 
     @property
     def at_once(self) -> int:
@@ -164,7 +164,7 @@ class Sweep:
         arrays, structure = self.arrays(values), from_scene(self.scene)
         good = self.may_be(arrays, len(values))
         arrays = {name: array[good] for name, array in arrays.items()}
-        swept = {axis.column: column.tolist() for axis, column in zip(self.axes, values.T, strict=True)}
+        swept = {axis.key: column.tolist() for axis, column in zip(self.axes, values.T, strict=True)}
         answers = solve_many(self.scene, **arrays, **self.options.to_dict())
         rest = np.broadcast_to(arrays.get("rest_lengths", structure.rest_lengths), answers.forces.shape)
         told = self.told(answers, Answers(structure, answers.coordinates, answers.forces, rest))

@@ -37,8 +37,8 @@ def test_columns_are_the_keys_then_how_it_ended_then_what_is_asked_for(run: Run)
     rows = list(csv.DictReader(ended.stdout.splitlines()))
     assert (ended.exit_code, ended.stderr, len(rows)) == (0, "", 6)
     more = ("force:struts.min", "force:struts.max", "node:n1.x", "node:n1.y", "node:n1.z", "slack")
-    assert tuple(rows[0]) == ("struts.EA", "verticals.rest_length.scale", *COLUMNS, *more)
-    assert [float(row["verticals.rest_length.scale"]) for row in rows] == [0.8, 0.9, 1.0] * 2
+    assert tuple(rows[0]) == ("struts.EA", "verticals.rest_length", *COLUMNS, *more)
+    assert [float(row["verticals.rest_length"]) for row in rows] == [0.8, 0.9, 1.0] * 2
     assert {(row["converged"], row["slack"]) for row in rows} == {("true", "0")}
 
 
@@ -46,7 +46,7 @@ def test_lines_of_json_hold_the_same_numbers(run: Run):
     assert run(*SMALL, "-o", "rows.jsonl").exit_code == 0
     lines = list(map(json.loads, Path("rows.jsonl").read_text().splitlines()))
     rows = list(csv.DictReader(run(*SMALL, "--no-header").stdout.splitlines(), fieldnames=tuple(lines[0])))
-    assert [row["verticals.rest_length.scale"] for row in lines] == [0.8, 0.9, 1.0] * 2
+    assert [row["verticals.rest_length"] for row in lines] == [0.8, 0.9, 1.0] * 2
     assert [row["energy"] for row in lines] == [float(row["energy"]) for row in rows]
 
 

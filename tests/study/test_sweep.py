@@ -91,8 +91,7 @@ def test_a_loaded_pair_of_cables_hangs_as_statics_says(pair: Scene):
 def test_every_row_is_the_solve_of_the_changed_scene(
     prism: Scene, asked: dict[str, object], change: Callable[..., dict[str, np.ndarray]]
 ):
-    factors = {f"{key}.scale" for key in asked.get("scale", {})}
-    (name,) = factors or asked["set"]
+    ((name, _),) = next(iter(asked.values())).items()
     words = ("force:struts", "length:n1,n4", "slack", "max_strain")
     for row in sweep(prism, out=words, **asked):
         groups = [
