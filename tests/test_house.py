@@ -14,8 +14,8 @@ MOST_LINES_OF_A_FUNCTION = 50
 BUDGET = {
     "top": 1935,
     "analysis": 2416,
-    "cli": 3039,
-    "formats": 1529,
+    "cli": 3043,
+    "formats": 1549,
     "mechanics": 966,
     "report": 2618,
     "rivals": 1126,

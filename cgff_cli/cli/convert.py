@@ -32,14 +32,18 @@ _EPILOG = examples(
 )
 
 
+_GIVEN = ("nodes", "law", "EA", "strut_EA", "merge")
+
 _ask = partial(flag, section="What a file does not say")
 _EA = Checked("X", partial(Rule(positive=True).checked, "EA"), float)
+_LENGTH = Checked("X", partial(Rule(positive=True).checked, "merge"), float)
 _KIND = Checked("KIND", lambda text: text.rpartition("=")[::2])  # group, or "" of all others; kind
 _unsaid = flags(
     _ask("--nodes", metavar="FILE", type=click.Path(), help="Beside a CSV of edges: that of its nodes."),
     _ask("--law", type=click.Choice(["paper", "hooke"]), help="What EA means. For OBJ, CSV, results."),
     _ask("--EA", "EA", metavar="X", type=_EA, help="EA of cables, and of struts too. For OBJ, CSV, results."),
     _ask("--strut-EA", "strut_EA", metavar="X", type=_EA, help="EA of struts; NTRT's are rigid."),
+    _ask("--merge", metavar="X", type=_LENGTH, help="Vertices of an OBJ up to X apart are one node."),
     _ask("--kind", metavar="[GROUP=]KIND", multiple=True, type=_KIND, help="cable or strut; OBJ and CSV."),
 )
 
@@ -63,7 +67,7 @@ def command(file: str, output: str, source: str | None, target: str | None, **va
     form, kinds = _form(output, target), by_key("--kind", values["kind"])
     once_only(file, values["nodes"])
     targets = check_targets([(output, "what is converted")], [(file, "the file it is converted from")])
-    given = {name: values[name] for name in ("nodes", "law", "EA", "strut_EA") if values[name] is not None}
+    given = {name: values[name] for name in _GIVEN if values[name] is not None}
     converted = convert(file, source=source, kind=kinds, **given)
     refuse_inputs(targets, ((path, f"a file of {title(file)}") for path in converted.scene.files))
     written = converted.written(form)

@@ -34,7 +34,7 @@ _CALLED = FOREIGN | {
 _ASKS = {
     "result": ("law", "EA", "strut_EA"),
     "ntrt": ("strut_EA",),
-    "obj": ("law", "EA", "strut_EA", "kind"),
+    "obj": ("law", "EA", "strut_EA", "kind", "merge"),
     "csv": ("law", "EA", "strut_EA", "kind", "nodes"),
 }
 _NOT_KEPT = {
@@ -105,6 +105,7 @@ def convert(
     EA: float | None = None,
     strut_EA: float | None = None,
     kind: str | Mapping[str, str] = (),  # type: ignore[assignment]
+    merge: float | None = None,
 ) -> Converted:
     """Read a file: NTRT or BYU YAML, OBJ, a CSV of edges, a scene, or a result; `-` is standard input.
 
@@ -112,6 +113,7 @@ def convert(
     nodes        : beside a CSV of edges the CSV of its nodes
     law, EA, ... : what the format does not say; EA in the units of the law, kind for all groups or for each.
                    Of a result they stand in place of its own, and its forces become pretensions
+    merge        : distance up to which points of an OBJ are one node; those of one place are in any case
 
     Raises SceneError with every fault of the file, OptionError for what it needs, or has no place for.
     """
@@ -119,10 +121,11 @@ def convert(
     text, shown = _read(path)
     form = source or _form(text, shown)
     asked = {"law": law, "EA": EA, "strut_EA": strut_EA, "nodes": nodes, "kind": kinds or None}
+    asked |= {"merge": merge}
     asked = {name: value for name, value in asked.items() if value is not None}
     began = _began(text) if form == "scene" else None
     _check(form if began is None else "result", asked, kinds)
-    given = Asked(law, EA, strut_EA, kinds, nodes)
+    given = Asked(law, EA, strut_EA, kinds, nodes, merge or 0.0)
     if form == "scene":
         scene = loads(text, shown, os.path.dirname(path), results=True)
         scene = replace(scene, files=(shown, *scene.files))
@@ -165,7 +168,7 @@ def _check(form: str, given: Mapping[str, object], kinds: Mapping[str, str]) -> 
         flag = f"--{name.replace('_', '-')}"
         if name not in _ASKS.get(form, ()):
             raise OptionError(f"{flag} has no place: {_CALLED[form]} needs none")
-        if name in ("EA", "strut_EA"):
+        if name in ("EA", "strut_EA", "merge"):
             STIFFNESS.checked(flag, value)
         if name == "law" and value not in LAWS:
             raise OptionError(f"{flag} must be {either(LAWS)}, got {value!r}")

@@ -15,6 +15,7 @@ class Asked(NamedTuple):
     """What the user says of elements, where a format has no words for it.
 
     kinds : group -> cable or strut; "" is every other group
+    merge : distance up to which points of an OBJ are one
     """
 
     law: str | None = None
@@ -22,6 +23,7 @@ class Asked(NamedTuple):
     strut_EA: float | None = None
     kinds: Mapping[str, str] = {}
     nodes: str | None = None
+    merge: float = 0.0
 
     def told(
         self, what: str, groups: Iterable[str], kinds: Iterable[str] = (), EA: bool = True, lacking: str = ""

@@ -3,11 +3,14 @@
 from collections.abc import Iterator
 from typing import NamedTuple
 
+import numpy as np
+
 from cgff_cli.formats.draft import Asked, Draft, refused
 from cgff_cli.formats.names import distinct
 from cgff_cli.hints import count
 from cgff_cli.scene.fields import HUGE, NUMBER
 from cgff_cli.scene.findings import Mark, quoted
+from cgff_cli.scene.physics import component_labels
 from cgff_cli.scene.scene import Scene
 
 _WHAT = "an OBJ file"
@@ -100,21 +103,33 @@ def read_obj(text: str, path: str, given: Asked) -> Draft:
         raise refused(path, read.faults)
     law, kinds = given.told(_WHAT, (line.group for line in read.lines))
     draft = Draft(path, law)
-    names: list[str] = []
-    first: dict[tuple[float, ...], str] = {}
-    for row, (point, at) in enumerate(read.points):
-        names.append(first.setdefault(tuple(point), f"n{row + 1}"))
-        draft.node(names[-1], point, draft.places.get(("nodes", names[-1]), at))
+    firsts = _first_at([point for point, _ in read.points], given.merge)
+    names = [f"n{first + 1}" for first in firsts]
+    for name, first in zip(names, firsts, strict=True):
+        draft.node(name, *read.points[first])
     for line in read.lines:
         kind = kinds[line.group]
         for (a, at), (b, _) in zip(line.rows, line.rows[1:], strict=False):
             draft.element(line.group, kind, (names[a], names[b]), at, given.stiffness_of(kind), None)
     draft.assumed.append("vertex number k is node nk; law, EA and kinds are those given to cgff convert")
-    merged = len(names) - len(first)
-    draft.lost += [f"{count(merged, 'vertex', 'vertices')} at the very point of another"] * (merged > 0)
+    merged = len(names) - len(set(names))
+    where = f"within {given.merge:g}" if given.merge else "at the very point"
+    draft.lost += [f"{count(merged, 'vertex', 'vertices')} {where} of another"] * (merged > 0)
     draft.lost += [f"{count(number, _WORDS[key])}" for key, number in read.others.items()]
     draft.lost += [f"what {count(read.more, 'vertex', 'vertices')} say beyond x, y, z"] * (read.more > 0)
     return draft
+
+
+def _first_at(points: list[list[float]], merge: float) -> list[int]:
+    """Return for each point the row of the first at its place; merge: distance up to which places are one."""
+    if not merge:
+        first: dict[tuple[float, ...], int] = {}
+        return [first.setdefault(tuple(point), row) for row, point in enumerate(points)]
+    from scipy.spatial import KDTree
+
+    near = KDTree(np.array(points)).query_pairs(merge, output_type="ndarray")
+    label = component_labels(len(points), near)
+    return np.unique(label, return_index=True)[1][label].tolist()
 
 
 def obj_text(scene: Scene) -> str:

@@ -92,3 +92,17 @@ def test_names_that_the_format_cannot_hold_stay_apart(tmp_path):
     )
     text = cgff_cli.convert(str(tmp_path / "s.yaml")).written("obj")
     assert [line for line in text.splitlines() if line[0] in "gl"] == ["g a_b", "l 1 2", "g a_b_2", "l 2 3"]
+
+
+def test_ends_that_nearly_meet_are_one_node_where_that_is_asked(tmp_path):
+    text = "v 0 0 0\nv 1 0 0\nv 1.000001 0 0\nv 2 1 0\nv 2 1 1e-6\nv 0 0 0\nl 1 2\nl 3 4\nl 5 6\n"
+    assert len(converted(tmp_path, text).scene.node_names) == 5
+    found = converted(tmp_path, text, merge=1e-5)
+    assert found.scene.node_names == ("n1", "n2", "n4")
+    assert found.scene.coordinates.tolist() == [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 1.0, 0.0]]
+    assert found.scene.groups[0].pairs.tolist() == [[0, 1], [1, 2], [2, 0]]
+    assert found.lost == ("3 vertices within 1e-05 of another",)
+    with pytest.raises(SceneError, match="node 'n1' is joined to itself"):
+        converted(tmp_path, text, merge=3.0)
+    with pytest.raises(OptionError, match="--merge must be"):
+        converted(tmp_path, text, merge=-1.0)
