@@ -34,16 +34,17 @@ def summary_page(rows: Sequence[Row]) -> "Iterator[RenderableType]":
         return [row.get(name) for row in rows]
 
     has_cases = any(of("case"))
+    own_of_cases = [column("slack", of("slack_count")), column("moves", of("moves"), "{:.3g}".format)]
     yield Aligned(
         [
             Column("scene", list(map(clean, of("scene")))),
             *([column("case", of("case"), to_the_right=False)] if has_cases else []),
             verdicts(of("verdict")),
             column("stability", of("stability"), to_the_right=False),
-            *([column("slack", of("slack_count"))] if has_cases else []),
+            *(own_of_cases if has_cases else []),
             column("residual", of("residual_relative"), "{:.1e}".format),
             column("iterations", of("iterations")),
-            column("elements", of("elements")),
+            *([] if has_cases else [column("elements", of("elements"))]),
             column("time", of("seconds"), duration),
         ]
     )

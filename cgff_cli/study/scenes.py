@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from cgff_cli.result import Result
+from cgff_cli.study.alignment import largest_move
 from cgff_cli.study.machine import Row
 
 SUMMARY = (
@@ -52,6 +53,7 @@ def summary_row(scene: str, result: Result) -> Row:
         "slack_count": analysis.get("slack_count"),
         "smallest_stiffness": analysis.get("smallest_stiffness"),
         "seconds": result.seconds,
+        "moves": largest_move(result.coordinates, result.structure.coordinates),
         "elements": result.source.element_count,
         "converged": result.converged,
         "interrupted": result.interrupted,

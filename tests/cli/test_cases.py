@@ -192,6 +192,16 @@ def test_a_scene_written_again_says_what_it_said_but_with_rest_lengths(run: Run,
     )
 
 
+def test_the_table_tells_how_far_a_node_goes_from_where_the_case_begins(run: Run, roof: str):
+    shown = run("solve", roof, "--case", "all", "--format", "table").stdout.splitlines()
+    _, *rows = (line.split() for line in shown[:4])
+    scene = cgff_cli.loads(ROOF)
+    dead = cgff_cli.solve(scene)
+    for row, own in zip(rows, solve_cases(scene, scene.cases), strict=True):
+        moved = np.linalg.norm(own.coordinates - dead.coordinates, axis=1).max()
+        assert f"{moved:.3g}" in row
+
+
 def test_a_case_begins_at_the_shape_it_is_given_and_ends_there_where_it_balances(run: Run, roof: str):
     run("solve", roof, "--case", "snow", "-o", "snow.json")
     told = json.loads(run("solve", roof, "--case", "snow", "--start", "snow.json").stdout)
