@@ -14,10 +14,10 @@ MOST_LINES_OF_A_FUNCTION = 50
 BUDGET = {
     "top": 1935,
     "analysis": 2416,
-    "cli": 3043,
+    "cli": 3047,
     "formats": 1549,
     "mechanics": 966,
-    "report": 2619,
+    "report": 2631,
     "rivals": 1126,
     "scene": 4677,
     "solvers": 2471,

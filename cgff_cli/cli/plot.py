@@ -13,7 +13,7 @@ from cgff_cli.values import ALL_CASES
 _EPILOG = examples(
     "cgff plot prism.yaml -o prism.png",
     "cgff plot tower.json --view front --mode 1 -o mode.svg",
-    "cgff plot --sweep rows.csv -o rows.pdf",
+    "cgff plot --sweep rows.csv --x node:top.x --y node:top.z -o path.pdf",
 )
 _PICTURES = {".png": "", ".svg": "", ".pdf": ""}
 
@@ -51,6 +51,8 @@ def _view(text: str) -> Any:
     type=click.Path(),
     help="What a sweep found against what it swept, instead of a structure.",
 )
+@flag("--x", section="Curves", metavar="COLUMN", help="Of --sweep, what stands across.")
+@flag("--y", section="Curves", metavar="COLUMN", multiple=True, help="Of --sweep, what is drawn; repeatable.")
 @word_options
 @click.pass_context
 def command(ctx: click.Context, scene: str | None, output: str, **values: Any) -> None:
@@ -66,6 +68,8 @@ def command(ctx: click.Context, scene: str | None, output: str, **values: Any) -
     form = form_of_file("-o", output, _PICTURES) or "png"
     if (scene is None) == (values["sweep"] is None):
         raise click.UsageError("give a SCENE, a RESULT or --sweep FILE.csv")
+    if scene is not None and (values["x"] or values["y"]):
+        raise click.UsageError("--x and --y are columns of --sweep FILE.csv")
     case, as_given = values.pop("case"), values.pop("as_given")
     if case == ALL_CASES:
         raise click.UsageError("--case all: a picture is of one case; cgff view shows all")
@@ -73,7 +77,7 @@ def command(ctx: click.Context, scene: str | None, output: str, **values: Any) -
     targets = check_targets([(output, "the picture")], inputs)
     check_matplotlib("cgff plot")
     if scene is None:
-        figure.write_sweep(values["sweep"], output, form)
+        figure.write_sweep(values["sweep"], output, form, values["x"], values["y"])
         return
     ((result, code),) = shown_of(scene, case, as_given, targets)
     asked = figure.Shown(**{name: values[name] for name in figure.Shown._fields})

@@ -67,13 +67,18 @@ def read_rows(path: str) -> tuple[list[str], list[str], list[dict[str, str]]]:
 
 
 def draw_sweep(
-    swept: Sequence[str], found: Sequence[str], rows: Sequence[Mapping[str, str]], axes: Any
+    swept: Sequence[str],
+    found: Sequence[str],
+    rows: Sequence[Mapping[str, str]],
+    axes: Any,
+    across: str | None = None,
 ) -> None:
     """Draw what was found against the first swept number, a curve for each value of the second, if few.
 
+    across: the column to draw it against instead; ways of nodes against each other have one scale.
     Of a path, a curve ends before a row in which an equilibrium was lost, and a line tells where that was.
     """
-    first, *others = swept
+    first, others = across or swept[0], swept[1:]
     values = list(dict.fromkeys(tuple(row[name] for name in others) for row in rows))
     is_curve = len(values) <= MOST_CURVES
     for own, name in zip(axes, found, strict=True):
@@ -86,9 +91,10 @@ def draw_sweep(
             lost = np.array([_float(row.get("lost")) for row in mine])
             x, y = (np.insert(column, np.flatnonzero(np.isfinite(lost)), np.nan) for column in (x, y))
             own.plot(x, y, f"{mark}{style}", label=told or None, markersize=3.5, linewidth=1.1)
-            for nth, there in enumerate(lost[np.isfinite(lost)].tolist()):
+            for nth, there in enumerate([] if across else lost[np.isfinite(lost)].tolist()):
                 own.axvline(there, color="0.4", linestyle=":", label=None if nth else FALL_LINE)
-        own.set(xlabel=first, ylabel=name)
+        is_way = first.startswith("node:") and name.startswith("node:")
+        own.set(xlabel=first, ylabel=name, aspect="equal" if is_way else "auto")
         own.grid(visible=True, alpha=0.3)
         if own.get_legend_handles_labels()[1]:
             own.legend(fontsize="small")

@@ -1,11 +1,14 @@
 """Pictures as files: what is drawn, on which paper, in which form."""
 
 import io
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from cgff_cli.as_given import analyse
+from cgff_cli.errors import OptionError
+from cgff_cli.hints import meant_or_all
 from cgff_cli.report.drawing import drawing_of, mode_of
 from cgff_cli.report.files import write_bytes
 from cgff_cli.result import Result
@@ -52,14 +55,17 @@ def _size_for(extent: np.ndarray) -> tuple[float, float]:
     return max(NARROWEST, across * room) + BESIDE, max(NARROWEST, up * room) + 0.6
 
 
-def write_sweep(rows: str, path: str, form: str) -> None:
-    """Write the curves of a sweep; raises OptionError, CgffError."""
+def write_sweep(rows: str, path: str, form: str, x: str | None = None, y: Sequence[str] = ()) -> None:
+    """Write the curves of a sweep; x: the column across, y: those drawn. Raises OptionError, CgffError."""
     from cgff_cli.report.curves import draw_sweep, read_rows
 
     swept, found, table = read_rows(rows)
-    found = found or ["energy"]
+    for name in (*y, *([] if x is None else [x])):
+        if name not in table[0]:
+            raise OptionError(f"{rows} has no column {name!r}{meant_or_all(name, list(table[0]))}")
+    found = list(y) or [name for name in found if name != x] or ["energy"]
     figure = _paper(WIDTH, max(HEIGHT / 1.5, 2.4 * len(found)))
-    draw_sweep(swept, found, table, figure.subplots(len(found), 1, squeeze=False)[:, 0])
+    draw_sweep(swept, found, table, figure.subplots(len(found), 1, squeeze=False)[:, 0], x)
     _write(figure, path, form)
 
 

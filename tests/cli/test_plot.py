@@ -195,6 +195,28 @@ def test_it_needs_matplotlib_and_says_which_command_brings_it(run: Run, monkeypa
     assert not Path("a.png").exists()
 
 
+def test_the_way_of_a_node_is_drawn_by_its_columns_to_one_scale(run: Run):
+    outs = ("--out", "node:n4", "--out", "slack")
+    run("sweep", "prism.yaml", "--set", "verticals.rest_length=2:4:5", *outs, "-o", "rows.csv")
+    told = ("--sweep", "rows.csv", "--x", "node:n4.x", "--y", "node:n4.z")
+    assert run("plot", *told, "-o", "way.png").exit_code == 0
+    from matplotlib.figure import Figure
+
+    swept, _, rows = read_rows("rows.csv")
+    axes = Figure().subplots()
+    draw_sweep(swept, ["node:n4.z"], rows, [axes], "node:n4.x")
+    (line,) = axes.lines
+    drawn = list(zip(*(map(float, own) for own in (line.get_xdata(), line.get_ydata())), strict=True))
+    assert drawn == [(float(row["node:n4.x"]), float(row["node:n4.z"])) for row in rows]
+    assert axes.get_aspect() == 1.0
+    for flags, words in (
+        (("--sweep", "rows.csv", "--x", "node:n4.q"), "rows.csv has no column 'node:n4.q'; did you mean"),
+        (("prism.yaml", "--x", "slack"), "--x and --y are columns of --sweep FILE.csv"),
+    ):
+        ended = run("plot", *flags, "-o", "way.png")
+        assert (ended.exit_code, words in ended.stderr) == (2, True)
+
+
 def test_a_result_read_again_knows_that_it_is_one(run: Run):
     run("solve", "prism.yaml", "-o", "prism.json")
     assert cgff_cli.load("prism.json", results=True).answer["verdict"] == "converged"
