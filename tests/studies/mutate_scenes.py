@@ -209,7 +209,7 @@ def one(index: int, seed: int, scenes, solve: bool, tally: Counter, show: bool) 
     else:
         tally["read"] += 1
         check_scene(scene)
-    if scene is not None and solve and rng.random() < SOLVED_SHARE:
+    if scene is not None and solve and not scene.is_geometry and rng.random() < SOLVED_SHARE:
         solve_one(scene, tally)
     if text is not None and rng.random() < CLI_SHARE:
         through_the_command_line(text, tally)
@@ -227,7 +227,8 @@ def check_problems(error) -> None:
 
 def check_scene(scene) -> None:
     """Raise where a scene holds a number it may not."""
-    arrays = [scene.coordinates, *(g.EA for g in scene.groups), *(g.rest_length for g in scene.groups)]
+    arrays = [scene.coordinates, *(g.EA for g in scene.groups)]
+    arrays += [] if scene.is_geometry else [g.rest_length for g in scene.groups]
     if not all(np.all(np.abs(array) <= HUGE) for array in arrays):
         raise AssertionError("a number out of range was read")
 
