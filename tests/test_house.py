@@ -19,7 +19,7 @@ BUDGET = {
     "mechanics": 966,
     "report": 2631,
     "rivals": 1126,
-    "scene": 4677,
+    "scene": 4690,
     "solvers": 2471,
     "study": 3217,
 }

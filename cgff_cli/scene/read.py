@@ -15,7 +15,7 @@ from cgff_cli.scene.fields import is_table
 from cgff_cli.scene.findings import NOWHERE, Findings, Placing, Where, quoted
 from cgff_cli.scene.keys import is_own
 from cgff_cli.scene.located import DEPTH, Document, mark_of
-from cgff_cli.scene.results import ResultValues, is_result
+from cgff_cli.scene.results import RESULT_SCHEMA, ResultValues, record_of
 from cgff_cli.scene.scene import Scene
 from cgff_cli.scene.schema import read_scene
 from cgff_cli.scene.text import decoded, read_text, reason
@@ -111,18 +111,25 @@ def _read(text: str, path: str, base: str, results: bool) -> Scene:
     while True:
         findings, value, moved, answer = Findings(document.faults), document.value, _unmoved, None
         case: dict[str, Any] = {}
-        if is_result(value):
-            if not results:
-                said = NO_SCENE.format("-" if path.startswith("<") else path)
-                raise SceneError([Problem(path, *document.place((), False), said)])
+        schema = record_of(value)
+        if schema == RESULT_SCHEMA and results:
             found = ResultValues(value)
             value, moved, answer, case = found.value, found.where, found.answer, found.case
+        elif schema is not None:
+            raise SceneError([Problem(path, *document.place((), False), _no_scene(schema, path))])
         scene = read_scene(findings, value, path, base) if document.whole else None
         if scene is not None and findings.none:
             place = document.place(("elements",), True)
             return replace(scene, elements_at=place, answer=answer, **case)
         if not document.sharpened(map(moved, findings.wheres)):
             raise SceneError(findings.problems(path, _placing(document.place, moved)))
+
+
+def _no_scene(schema: str, path: str) -> str:
+    """Return what to do with a record of cgff's where a scene is wanted."""
+    if schema == RESULT_SCHEMA:
+        return NO_SCENE.format("-" if path.startswith("<") else path)
+    return f"this is a record of cgff, of schema {schema!r}, not a scene"
 
 
 def _placing(place: Placing, moved: Callable[[Where], Where]) -> Placing:

@@ -15,6 +15,12 @@ def is_result(value: object) -> bool:
     return isinstance(value, dict) and value.get("schema") == RESULT_SCHEMA
 
 
+def record_of(value: object) -> str | None:
+    """Return the schema of plain values that are another record of cgff's, or one of another version."""
+    schema = value.get("schema") if isinstance(value, dict) else None
+    return schema if isinstance(schema, str) and schema.startswith("cgff-") else None
+
+
 class ResultValues:
     """A result's values in the form of a scene's, and where each of those stands in the result.
 

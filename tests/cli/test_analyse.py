@@ -253,6 +253,15 @@ def test_a_result_is_no_scene_to_solve(run: Run, solved: str):
     assert "this is the result of a solve, not a scene" in ended.stderr
 
 
+@pytest.mark.parametrize("schema", ["cgff-compare/1", "cgff-result/9"])
+def test_another_record_is_told_in_one_line(run: Run, solved: str, schema: str):
+    Path(solved).write_text(Path(solved).read_text().replace("cgff-result/1", schema))
+    for command in ("solve", "analyse"):
+        ended = run(command, solved)
+        said = f"{solved}:1:1: this is a record of cgff, of schema {schema!r}, not a scene\n"
+        assert (ended.exit_code, ended.stderr) == (3, said)
+
+
 def test_the_page_of_a_sensitivity_names_no_node_that_stays(run: Run):
     assert run("solve", "bracket.yaml", "-o", "bracket.json").exit_code == 0
     page = run("analyse", "bracket.json", "--sensitivity", "tie", "--format", "table").stdout
