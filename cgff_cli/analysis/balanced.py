@@ -1,5 +1,6 @@
 """Which of many states: the one whose least member is the greatest, and of these the one of least norm."""
 
+from collections.abc import Iterator
 from functools import partial
 from typing import Any
 
@@ -29,7 +30,7 @@ def balanced(
     of nodes and elements, and has whatever symmetry the structure has. signs: (m,) 1 or -1; most: (m,),
     infinity for no bound; counted: (m,) bool, of which classes s is the least, the others at least 0.
     """
-    first = balance.nearest(np.zeros(len(signs)), balance.F)
+    first = balance.bearing
     top = float(most[np.isfinite(most)].max())
     unit = balance.size * top  # x = unit v
     least_of = np.ones(len(signs)) if counted is None else counted.astype(float)
@@ -45,36 +46,59 @@ def least_limit(balance: SelfStress, signs: np.ndarray, most: np.ndarray) -> flo
     from scipy.optimize import linprog
     from scipy.sparse import block_array, csc_array, diags_array
 
-    bounded, scale = np.isfinite(most), float(most[np.isfinite(most)].max())
-    own = diags_array(signs).tocsr()[bounded]
-    upper = block_array([[own, csc_array(-most[bounded, None] / scale)]], format="csr")
-    size = norm(balance.F)
-    columns = csc_array(balance.A) @ diags_array(balance.size)
-    equal = block_array([[columns, csc_array((len(balance.F), 1))]], format="csc")
-    bounds = [(0.0, None) if sign > 0.0 else (None, 0.0) for sign in signs] + [(0.0, None)]
-    cost = np.append(np.zeros(len(signs)), 1.0)
     solve: Any = linprog  # whose types know no sparse matrix
-    found = solve(cost, upper, np.zeros(len(most[bounded])), equal, balance.F / size, bounds, method="highs")
-    return None if found.x is None else float(found.fun) * size / scale
+    bounded, scale = np.isfinite(most), float(most[np.isfinite(most)].max())
+    own, size = diags_array(signs).tocsr()[bounded], norm(balance.F)
+    nothing = np.zeros(own.shape[0])
+    for columns, right in _equations(balance):
+        more = columns.shape[1] - len(signs)
+        top = csc_array(-most[bounded, None] / scale)
+        upper = block_array([[own, csc_array((len(nothing), more)), top]], format="csr")
+        equal = block_array([[columns, csc_array((len(right), 1))]], format="csc")
+        bounds: list[Any] = [(0.0, None) if sign > 0.0 else (None, 0.0) for sign in signs]
+        bounds += [(None, None)] * more + [(0.0, None)]
+        cost = np.append(np.zeros(columns.shape[1]), 1.0)
+        found = solve(cost, upper, nothing, equal, right / size, bounds, method="highs")
+        if found.x is not None:
+            return float(found.fun) * size / scale
+    return None
+
+
+def _equations(balance: SelfStress) -> Iterator[tuple[Any, np.ndarray]]:
+    """Yield columns and right sides of what v, x over its size, is to meet: A x = F solved, and as it is.
+
+    Solved, where the tolerance counts F as borne, v is the nearest to A x = F plus states, whose shares are
+    further unknowns. Of A x = F itself HiGHS leaves 1e-7 over, which is much of a v that is softly held, and
+    calls it impossible where there are more equations than unknowns and F is borne but for rounding.
+    """
+    from scipy.sparse import csc_array, diags_array, eye_array, hstack
+
+    first = balance.bearing
+    if balance.left_over(first) <= balance.tolerance and (balance.is_dense or balance.states == 0):
+        states = [csc_array(-balance.basis / balance.size[:, None])] if balance.is_dense else []
+        yield hstack([eye_array(len(first)), *states], format="csc"), first / balance.size
+    yield csc_array(balance.A) @ diags_array(balance.size), balance.F
 
 
 def most_of(balance: SelfStress, signs: np.ndarray, most: np.ndarray, asked: np.ndarray) -> np.ndarray:
     """Return an x, no sign wrong, in which a class asked for exceeds `most`, or comes nearest to it."""
     from scipy.optimize import linprog
-    from scipy.sparse import csc_array, diags_array
 
     solve: Any = linprog  # whose types know no sparse matrix
-    unit = float(most[asked].max())
-    columns, F = csc_array(balance.A) @ diags_array(balance.size), balance.F / unit
+    unit, m = float(most[asked].max()), len(signs)
     tops = np.where(asked, 2.0 * most / unit, np.inf)
     bounds = [(0.0, top) if sign > 0.0 else (-top, 0.0) for sign, top in zip(signs, tops, strict=True)]
-    best, reached = np.zeros(len(signs)), -1.0
-    for row in np.flatnonzero(asked):
-        cost = np.where(np.arange(len(signs)) == row, -signs, 0.0)
-        found = solve(cost, A_eq=columns, b_eq=F, bounds=bounds, method="highs").x
-        if found is not None and abs(found[row]) * unit / most[row] > reached:
-            best, reached = found, abs(found[row]) * unit / most[row]
-        if reached >= 1.0 + TOLD_BY_HIGHS:
+    best, reached = np.zeros(m), -1.0
+    for columns, right in _equations(balance):
+        own = [*bounds, *[(None, None)] * (columns.shape[1] - m)]
+        for row in np.flatnonzero(asked):
+            cost = np.where(np.arange(len(own)) == row, -signs[row], 0.0)
+            found = solve(cost, A_eq=columns, b_eq=right / unit, bounds=own, method="highs").x
+            if found is not None and abs(found[row]) * unit / most[row] > reached:
+                best, reached = found[:m], abs(found[row]) * unit / most[row]
+            if reached >= 1.0 + TOLD_BY_HIGHS:
+                break
+        if reached >= 0.0:
             break
     return balance.nearest(best * unit * balance.size, balance.F)
 
