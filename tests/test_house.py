@@ -12,15 +12,15 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 1820,
-    "analysis": 2262,
+    "top": 1829,
+    "analysis": 2345,
     "cli": 2934,
     "formats": 1445,
     "mechanics": 966,
     "report": 2536,
-    "rivals": 1117,
+    "rivals": 1126,
     "scene": 4587,
-    "solvers": 2452,
+    "solvers": 2454,
     "study": 3005,
 }
 """Most lines of each room, a folder of the package; `top` is the files beside them. More is a decision."""

@@ -16,8 +16,8 @@ SAME_LENGTH = 1e-14
 WEIGHED = 8
 """Times that weight follows rest lengths: each gains the digits of a weight over EA."""
 
-_OF_LOADS = ("loads", "signs")
-"""What proves that no state bears loads, if they are just these."""
+_UNBORNE = ("loads", "signs", "undecided")
+"""Why no state bears loads, or seems to bear them, if they are just these."""
 
 LoadsOf = Callable[[np.ndarray], np.ndarray]
 """Rest lengths (b,) -> loads and their weight (n, d)."""
@@ -29,10 +29,16 @@ def heavy(question: Question, loads: LoadsOf, answer: Answer) -> Answer:
     Where there is none to that, it is asked of the rest lengths of forces that leave least over, and what
     follows from the weight of some rest lengths is no proof for others.
     """
+    answer = _followed(question, loads, answer)
+    if answer.why in (*_UNBORNE, "inexact", "force"):
+        answer = _followed(question, loads, _asked(question, loads(least_left_over(question, loads))))
+    answer.why = "weight" if answer.why in _UNBORNE else answer.why
+    return answer
+
+
+def _followed(question: Question, loads: LoadsOf, answer: Answer) -> Answer:
+    """Return the answer to the weight of its own rest lengths, or to the first weight that has none."""
     last, change = np.inf, 1.0
-    if answer.why in _OF_LOADS:
-        answer = _asked(question, loads(least_left_over(question, loads)))
-        answer.why = "weight" if answer.why in _OF_LOADS else answer.why
     while not answer.why and SAME_LENGTH < change < last:
         before, last = np.asarray(answer.rest_lengths), change
         answer = _asked(question, loads(before))

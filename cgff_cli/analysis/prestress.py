@@ -29,9 +29,6 @@ SAME_FORCE = 1e-5
 LEAST_STRAIN = 4.0 * EPS
 """Strain below which a rest length, as a double, does not tell the force it is for."""
 
-IN_BALANCE = 3e-11
-"""What may be left of forces out of balance, relative to all forces."""
-
 
 @dataclass(frozen=True, eq=False)
 class Question:
@@ -88,7 +85,7 @@ class Answer:
     forces, force_densities, rest_lengths      coordinates : (n, d) the shape that they hold
     strain_needed : cable strain that the loads alone need, where that is above STRAIN
     force_reached : greatest force that could be, where another was asked for
-    left_over     : what is left of the forces of the best state, relative to all
+    left_over     : what is left of the forces of the best state, or of the loads, relative to all
     """
 
     structure: Structure
@@ -129,22 +126,31 @@ def prestressed(question: Question) -> Answer:
         answer.group_states = balance.states
     if tolerance > LEAST_TOLERANCE and not whole.is_dense:
         raise OptionError(f"tolerance needs a structure of at most {DENSE} elements or free directions")
-    answer.gap, answer.softest = balance.gap, balance.softest
+    answer.gap, answer.softest, answer.left_over = balance.gap, balance.softest, balance.unborne
     signs = np.zeros(len(balance.size))
     signs[balance.classes] = np.where(structure.tension_only, 1.0, -1.0)
     x = _best(question, answer, balance, signs) if balance.states != 0 or balance.is_loaded else None
-    if x is None or not _is_signed(balance, x, signs):
-        if not answer.why:
-            _blame(answer, balance, signs)
+    if answer.why == "force" and tolerance == LEAST_TOLERANCE:
+        _check_force(question, answer, balance)
+    elif not answer.why and (x is None or not _is_signed(balance, x, signs)):
+        _blame(answer, balance, signs)
+    if answer.why or x is None:
         return answer
     if tolerance > LEAST_TOLERANCE:
         balance, x = near_shape(balance, x)
     answer.left_over = balance.left_over(x)
-    if answer.left_over <= IN_BALANCE and _is_signed(balance, x, signs):
+    if balance.is_met(x) and _is_signed(balance, x, signs):
         _realise(question, answer, balance, x)
     else:
         answer.why = "inexact"
     return answer
+
+
+def _check_force(question: Question, answer: Answer, balance: SelfStress) -> None:
+    """Withdraw that a force cannot be where what is left over of the loads may be all that forbids it."""
+    short = abs((answer.force_reached or 0.0) - question.force) / balance.state.mechanics.frame.force
+    if not balance.tells(question.members, short):
+        answer.why = "inexact"
 
 
 def _best(question: Question, answer: Answer, balance: SelfStress, signs: np.ndarray) -> np.ndarray | None:
