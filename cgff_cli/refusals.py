@@ -19,6 +19,9 @@ EXTREME = "scale or shape may be too extreme for double precision"
 STILL = 1e-9
 """Share of the greatest motion of a node below which a node is not said to move."""
 
+NEARLY_BORNE = 1e-13, 1e-6
+"""What is left over of loads that coordinates bear but for rounding of their own."""
+
 ROUNDED = 1e-2
 """Least singular value below which coordinates may have been rounded, or measured."""
 
@@ -38,12 +41,15 @@ def refusal(scene: Scene, answer: Answer, asked: Mapping[str, Any]) -> str:
         "tension, has some",
         "blurred": "rounding decides: some rest lengths are so near the lengths that double precision does "
         "not hold these forces; raise the force, or lower EA",
-        "undecided": _undecided(asked["tolerance"] > LEAST_TOLERANCE),
+        "undecided": _undecided(answer, asked),
     }
     return said[answer.why]
 
 
-def _undecided(is_tolerant: bool) -> str:
+def _undecided(answer: Answer, asked: Mapping[str, Any]) -> str:
+    is_tolerant = asked["tolerance"] > LEAST_TOLERANCE
+    if not is_tolerant and NEARLY_BORNE[0] < answer.left_over <= NEARLY_BORNE[1]:
+        return _inexact(answer, asked)
     decides, advice = ("the tolerance", "try a smaller one") if is_tolerant else ("rounding", EXTREME)
     return (
         f"{decides} decides: neither a self-stress of the right signs was found nor a proof that there is "
@@ -150,6 +156,7 @@ def _force(answer: Answer, asked: Mapping[str, Any]) -> str:
 
 
 def _inexact(answer: Answer, asked: Mapping[str, Any]) -> str:
+    enough = f"{max(1e-8, 10.0 * answer.left_over):.0e}".replace("e-0", "e-")
     if asked["tolerance"] > LEAST_TOLERANCE:
         return (
             "no shape near these coordinates was found that balances a self-stress of the right signs "
@@ -158,7 +165,7 @@ def _inexact(answer: Answer, asked: Mapping[str, Any]) -> str:
     return (
         f"these coordinates balance a self-stress only to {answer.left_over:.1e} of its forces: they were "
         "rounded, or solved for no further; `cgff solve --tolerance 1e-14` finds them to rounding, or a "
-        "tolerance of 1e-8 moves them to where it balances"
+        f"tolerance of {enough} moves them to where it balances"
     )
 
 

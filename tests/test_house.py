@@ -12,8 +12,8 @@ MOST_LINES = 250
 MOST_LINES_OF_A_FUNCTION = 50
 
 BUDGET = {
-    "top": 1935,
-    "analysis": 2416,
+    "top": 1942,
+    "analysis": 2446,
     "cli": 3047,
     "formats": 1549,
     "mechanics": 966,

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from functools import partial
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -31,7 +30,7 @@ def balanced(
     of nodes and elements, and has whatever symmetry the structure has. signs: (m,) 1 or -1; most: (m,),
     infinity for no bound; counted: (m,) bool, of which classes s is the least, the others at least 0.
     """
-    first = balance.nearest(np.zeros(len(signs)), balance.F)
+    first = balance.bearing
     top = float(most[np.isfinite(most)].max())
     unit = balance.size * top  # x = unit v
     least_of = np.ones(len(signs)) if counted is None else counted.astype(float)
@@ -56,8 +55,8 @@ def least_limit(balance: SelfStress, signs: np.ndarray, most: np.ndarray) -> flo
         top = csc_array(-most[bounded, None] / scale)
         upper = block_array([[own, csc_array((len(nothing), more)), top]], format="csr")
         equal = block_array([[columns, csc_array((len(right), 1))]], format="csc")
-        signed: list[Any] = [(0.0, None) if sign > 0.0 else (None, 0.0) for sign in signs]
-        bounds = [*signed, *[(None, None)] * more, (0.0, None)]
+        bounds: list[Any] = [(0.0, None) if sign > 0.0 else (None, 0.0) for sign in signs]
+        bounds += [(None, None)] * more + [(0.0, None)]
         cost = np.append(np.zeros(columns.shape[1]), 1.0)
         found = solve(cost, upper, nothing, equal, right / size, bounds, method="highs")
         if found.x is not None:
@@ -74,7 +73,7 @@ def _equations(balance: SelfStress) -> Iterator[tuple[Any, np.ndarray]]:
     """
     from scipy.sparse import csc_array, diags_array, eye_array, hstack
 
-    first = balance.nearest(np.zeros(len(balance.size)), balance.F)
+    first = balance.bearing
     if balance.left_over(first) <= balance.tolerance and (balance.is_dense or balance.states == 0):
         states = [csc_array(-balance.basis / balance.size[:, None])] if balance.is_dense else []
         yield hstack([eye_array(len(first)), *states], format="csc"), first / balance.size
@@ -90,14 +89,16 @@ def most_of(balance: SelfStress, signs: np.ndarray, most: np.ndarray, asked: np.
     tops = np.where(asked, 2.0 * most / unit, np.inf)
     bounds = [(0.0, top) if sign > 0.0 else (-top, 0.0) for sign, top in zip(signs, tops, strict=True)]
     best, reached = np.zeros(m), -1.0
-    for (columns, right), row in product(_equations(balance), np.flatnonzero(asked)):
-        more = columns.shape[1] - m
-        cost = np.where(np.arange(m + more) == row, -signs[row], 0.0)
-        free = [*bounds, *[(None, None)] * more]
-        found = solve(cost, A_eq=columns, b_eq=right / unit, bounds=free, method="highs").x
-        if found is not None and abs(found[row]) * unit / most[row] > reached:
-            best, reached = found[:m], abs(found[row]) * unit / most[row]
-        if reached >= 1.0 + TOLD_BY_HIGHS:
+    for columns, right in _equations(balance):
+        own = [*bounds, *[(None, None)] * (columns.shape[1] - m)]
+        for row in np.flatnonzero(asked):
+            cost = np.where(np.arange(len(own)) == row, -signs[row], 0.0)
+            found = solve(cost, A_eq=columns, b_eq=right / unit, bounds=own, method="highs").x
+            if found is not None and abs(found[row]) * unit / most[row] > reached:
+                best, reached = found[:m], abs(found[row]) * unit / most[row]
+            if reached >= 1.0 + TOLD_BY_HIGHS:
+                break
+        if reached >= 0.0:
             break
     return balance.nearest(best * unit * balance.size, balance.F)
 

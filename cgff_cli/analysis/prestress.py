@@ -84,7 +84,8 @@ class Answer:
     never, idle   : bool      motion : (n, d), what proves who is to blame, or None
     forces, force_densities, rest_lengths      coordinates : (n, d) the shape that they hold
     strain_needed : cable strain that the loads alone need, where that is above STRAIN
-    force_reached : greatest force that could be        left_over : of the best state's forces, relative
+    force_reached : greatest force that could be, where another was asked for
+    left_over     : what is left of the forces of the best state, or of the loads, relative to all
     is_given      : rest lengths are those that the scene came with
     """
 
@@ -127,7 +128,7 @@ def prestressed(question: Question) -> Answer:
         answer.group_states = balance.states
     if tolerance > LEAST_TOLERANCE and not whole.is_dense:
         raise OptionError(f"tolerance needs a structure of at most {DENSE} elements or free directions")
-    answer.gap, answer.softest = balance.gap, balance.softest
+    answer.gap, answer.softest, answer.left_over = balance.gap, balance.softest, balance.unborne
     signs = np.zeros(len(balance.size))
     signs[balance.classes] = np.where(structure.tension_only, 1.0, -1.0)
     x = _best(question, answer, balance, signs) if balance.states != 0 or balance.is_loaded else None
@@ -149,10 +150,9 @@ def prestressed(question: Question) -> Answer:
 
 def _check_force(question: Question, answer: Answer, balance: SelfStress) -> None:
     """Withdraw that a force cannot be where what is left over of the loads may be all that forbids it."""
-    x = balance.nearest(np.zeros(len(balance.size)), balance.F)
     short = abs((answer.force_reached or 0.0) - question.force) / balance.state.mechanics.frame.force
-    if not balance.is_met(x) or short <= largest(balance.forces(balance.doubt(x))[question.members]):
-        answer.why, answer.left_over = "inexact", balance.left_over(x)
+    if not balance.tells(question.members, short):
+        answer.why = "inexact"
 
 
 def _best(question: Question, answer: Answer, balance: SelfStress, signs: np.ndarray) -> np.ndarray | None:

@@ -17,10 +17,6 @@ from cgff_cli.mechanics.norms import largest, norm
 from cgff_cli.mechanics.state import State
 from cgff_cli.options import DEFAULTS
 
-IN_BALANCE = 3e-11
-"""What may be left of forces out of balance, relative to all forces, even of those that are out of balance by
-more than the tolerance of a solve."""
-
 MOST_ENTRIES = 10_000_000
 """Entries up to which a matrix is decomposed whole: seconds (tests/studies/prestress.py)."""
 
@@ -125,15 +121,43 @@ class SelfStress:
             left, values, right = (own[: self.rank] for own in (self.parts[0].T, *self.parts[1:]))
             return x - right.T @ ((left @ (self.A @ x - F)) / values)
         for _ in range(REFINEMENTS):
-            x = x - self.A.T @ self._normal.solve(self.A @ x - F)
+            x = x - self._moved_least(self.A @ x - F)
         return x
 
-    def doubt(self, x: np.ndarray) -> np.ndarray:
-        """Return (m,) what A x - F may hide in x, were as much wrong with what A can balance; 0 if sparse."""
-        if not self.is_dense:
-            return np.zeros(len(self.size))
+    def _moved_least(self, out: np.ndarray) -> np.ndarray:
+        """Return the least x, and without states the only one, that makes A x - out least, nearly."""
+        if self.states != 0:
+            return self.A.T @ self._normal.solve(out)
+        return self._only.solve(np.concatenate((out, np.zeros(len(self.size)))))[len(out) :]
+
+    @cached_property
+    def _only(self) -> Any:
+        """Factors of [[a, A], [A^T, 0]], which know a soft x as A does, not as its square (Björck 1967)."""
+        from scipy.sparse import block_array, eye_array
+
+        K = block_array([[BJORCK * eye_array(self.A.shape[0]), self.A], [self.A.T, None]], format="csc")
+        return shifted_factor(K, 0.0)
+
+    @cached_property
+    def bearing(self) -> np.ndarray:
+        """The least x that leaves the least of F over, (m,)."""
+        return self.nearest(np.zeros(len(self.size)), self.F)
+
+    @property
+    def unborne(self) -> float:
+        """What is left over of the loads by that, relative to all forces; 0 without loads."""
+        return self.left_over(self.bearing) if self.is_loaded else 0.0
+
+    def tells(self, members: np.ndarray | None, by: float) -> bool:
+        """Return whether F is met so well that forces of members, (b,) bool, are told from those `by` off.
+
+        Of a dense A: F may be as much off along A as it is across.
+        """
+        if not self.is_met(self.bearing) or not self.is_dense:
+            return self.is_met(self.bearing)
         values, right = (own[: self.rank] for own in self.parts[1:])
-        return norm(self.A @ x - self.F) * np.linalg.norm(right / values[:, None], axis=0)
+        off = norm(self.A @ self.bearing - self.F) * np.linalg.norm(right / values[:, None], axis=0)
+        return by > largest(self.forces(off)[members])
 
     @cached_property
     def _normal(self) -> Any:
@@ -160,14 +184,19 @@ class SelfStress:
         return norm(self.A @ x - self.F) / max(norm(x), norm(self.F), EPS)
 
     def is_met(self, x: np.ndarray) -> bool:
-        """Return whether A x = F as well as a solve would have it by default, or to IN_BALANCE."""
-        most = max(largest(self.forces(x)), self.state.mechanics.largest_load, EPS)
-        is_solved = largest(self.A @ x - self.F) <= DEFAULTS.tolerance * most
-        return is_solved or self.left_over(x) <= IN_BALANCE
+        """Return whether A x = F but for what a solve may leave over by default, or next to rounding."""
+        most = max(largest(self.forces(x)), largest(self.F))
+        return largest(self.A @ x - self.F) <= DEFAULTS.tolerance * most or self.left_over(x) <= IN_BALANCE
 
+
+IN_BALANCE = 3e-11
+"""What may be left over, relative to all forces, whatever the largest component of it."""
 
 ADDED_UP = 8.0
 """Rounding errors of a member's direction that entries of a class may add up to."""
+
+BJORCK = 1e-4
+"""Weight of what is left over beside columns of length 1, near the least singular value of soft nets."""
 
 IDLE = 1e-9
 """Share of a unit state below which an element carries rounding alone."""

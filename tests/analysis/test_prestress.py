@@ -177,11 +177,16 @@ def test_with_a_tolerance_the_nodes_go_to_the_conic_near_by():
 
 
 def test_a_state_that_rounding_leaves_inexact_is_neither_taken_nor_denied():
-    scene = moved(wheel(3), 5e-10, 1)  # above the tolerance of a solve
+    scene = moved(wheel(3), 1e-9, 1)
     found = cgff_cli.prestress(scene)
     assert (found.feasible, found.scene) == (None, None)
     assert "a tolerance of 1e-8 moves them" in found.reason
     assert_held(scene, cgff_cli.prestress(scene, tolerance=1e-8))
+
+
+def test_a_state_that_balances_as_well_as_a_solve_would_have_it_is_taken():
+    scene = moved(wheel(3), 2e-10, 1)
+    assert_held(scene, cgff_cli.prestress(scene))
 
 
 @pytest.mark.parametrize("name", OF_MANY_STATES)

@@ -1,9 +1,9 @@
 """Prestress of shapes from formulas: held where it begins, returned to from 1 % off, or proven impossible.
 
-    python tests/studies/prestress.py [--large] [--each]
+    python tests/studies/prestress.py [--large] [--each] [--solved]
 
 By default the table of shapes, the paper's tables and the weight of the norm; --large times 10^2 to 10^4
-members, --each prints a line per shape.
+members, --each prints a line per shape, --solved takes shapes that `solve` found under weight and snow.
 """
 
 import argparse
@@ -228,6 +228,32 @@ def large() -> None:
             )
 
 
+def solved() -> None:
+    """Print what is said of shapes that `solve` found, asked for any forces and for those that it found."""
+    made = [("net", {"side": side, **own}) for side in (6, 8, 12, 16, 20, 32) for own in BURDENS]
+    made += [
+        (name, {"law": law, "weight": 0.01}) for name in ("geiger", "levy") for law in ("paper", "hooke")
+    ]
+    for tolerance in (1e-10, 1e-12, 1e-14):
+        words, off, most = Counter(), [0.0], 0
+        for family_name, given in made:
+            scene = cgff_cli.new(family_name, **given)
+            result = cgff_cli.solve(scene, tolerance=tolerance, analysis="never")
+            shape, first = scene.with_coordinates(result.coordinates), scene.groups[0]
+            force = float(np.abs(result.forces[: len(first.EA)]).max())
+            for asked in ({}, {"force": {first.name: force}}):
+                found = cgff_cli.prestress(shape, **asked)
+                words[f"{'that force' if asked else 'any'} {found.feasible}"] += 1
+                if found.scene is not None:
+                    most = max(most, cgff_cli.solve(found.scene, analysis="never").counts["iterations"])
+                if found.scene is not None and not found.self_stress_states:
+                    off.append(float(np.abs(found.forces - result.forces).max()) / force)
+        print(f"solved to {tolerance:g}: {dict(words)}, at most {most} iterations, forces to {max(off):.1e}")
+
+
+BURDENS = ({"weight": 0.01}, {"weight": 0.1}, {"snow": 0.2}, {"snow": 0.02, "weight": 0.01})
+
+
 def cut(stages: int) -> Scene:
     """Return a tower without its end rings."""
     whole = family("tower", stages=stages)
@@ -239,7 +265,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--large", action="store_true")
     parser.add_argument("--each", action="store_true")
+    parser.add_argument("--solved", action="store_true")
     asked = parser.parse_args()
+    if asked.solved:
+        solved()
+        return
     if asked.large:
         large()
         return
